@@ -1,0 +1,1 @@
+"""Optimal trajectories of multirotor and urban-air-mobility vehicles."""
