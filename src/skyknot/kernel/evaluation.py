@@ -1,0 +1,183 @@
+"""Values and first derivatives of a program at z, for residuals and recovered costates.
+
+Legend: as in program.py; J marks Jacobians with respect to y = (x, u, q).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from skyknot.kernel.program import Multipliers, Program
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """First-order values at every evaluated point and at the end.
+
+    Attributes
+    ----------
+    L : (P,), F : (P, nx), g : (P, ng)
+    JL : (P, ny), JF : (P, nx, ny), Jg : (P, ng, ny) with y = (x, u, q)
+    M : terminal cost, JM : (nx + nq,)
+    """
+
+    L: Array
+    F: Array
+    g: Array
+    JL: Array
+    JF: Array
+    Jg: Array
+    M: float
+    JM: Array
+
+
+@lru_cache(maxsize=32)
+def first_order(point: ca.Function) -> ca.Function:
+    """Return (x, u, q, τ) → (L, F, g, ∂L, ∂F, ∂g) with dense Jacobians over y = (x, u, q)."""
+    x, u, q, tau = (ca.SX.sym(n, *point.size_in(i)) for i, n in enumerate(("x", "u", "q", "τ")))
+    L, F, g = point(x, u, q, tau)
+    y = ca.vertcat(x, u, q)
+    jacobians = [ca.densify(ca.jacobian(e, y)) for e in (L, F, g)]
+    return ca.Function("first_order", [x, u, q, tau], [L, F, g, *jacobians])
+
+
+def evaluate(program: Program, z: Array) -> Evaluation:
+    """Return values and first derivatives of the program at z."""
+    nx, nu, nq, ng = program.sizes
+    P, ny = len(program.point_state), nx + nu + nq
+    q = program.globals_of(z)
+    values = first_order(program.point).map(P)(
+        program.point_states(z).T,
+        program.point_controls(z).T,
+        ca.repmat(ca.DM(q), 1, P) if nq else ca.DM(0, P),
+        program.point_time[None, :],
+    )
+    L, F, g, JL, JF, Jg = (np.asarray(value) for value in values)
+    x_end = z[program.layout.states_at(program.layout.state[-1, -1:])[0]]
+    M, JM = _terminal(program.terminal)(x_end, q)
+    return Evaluation(
+        L=L.ravel(),
+        F=F.T,
+        g=g.reshape(ng, P).T,
+        JL=JL.reshape(P, ny),
+        JF=JF.reshape(nx, P, ny).transpose(1, 0, 2),
+        Jg=Jg.reshape(ng, P, ny).transpose(1, 0, 2),
+        M=float(M),
+        JM=np.asarray(JM).ravel(),
+    )
+
+
+@lru_cache(maxsize=32)
+def _terminal(terminal: ca.Function) -> ca.Function:
+    x, q = ca.SX.sym("x", *terminal.size_in(0)), ca.SX.sym("q", *terminal.size_in(1))
+    M = terminal(x, q)
+    return ca.Function("terminal", [x, q], [M, ca.densify(ca.gradient(M, ca.vertcat(x, q)))])
+
+
+def objective(program: Program, values: Evaluation) -> float:
+    """Return the objective from values already evaluated."""
+    return float(program.point_cost @ values.L) + values.M
+
+
+def defects(program: Program, z: Array, values: Evaluation) -> Array:
+    """Return the (N, s−1, nx) defects: predicted minus actual."""
+    X = z[program.layout.states_at(program.layout.state)]
+    F = values.F[program.segment_points]
+    result: Array = np.einsum("ij,kjx->kix", program.C, X) + program.fractions[
+        :, None, None
+    ] * np.einsum("ij,kjx->kix", program.A, F)
+    return result
+
+
+def rate_values(program: Program, z: Array) -> tuple[Array, Array, Array]:
+    """Return the rate rows and their bounds, (R,) each, control unit."""
+    rows = program.rates
+    span = rows.length * program.duration_of(z)
+    values = np.einsum("rw,rw->r", rows.weights, z[rows.positions])
+    return values, rows.lower * span, rows.upper * span
+
+
+def gradient(
+    program: Program, values: Evaluation, multipliers: Multipliers, with_defects: bool = True
+) -> Array:
+    """Return the (size,) gradient of the Lagrangian; bounds' multipliers included."""
+    layout = program.layout
+    nx, nu, _, _ = program.sizes
+    total = multipliers.bounds.copy()
+    per_point = program.point_cost[:, None] * values.JL
+    per_point += np.einsum("pg,pgy->py", multipliers.path, values.Jg)
+    if with_defects:
+        weighted = np.einsum("k,ij,kix->kjx", program.fractions, program.A, multipliers.defects)
+        nu_point = np.zeros_like(values.F)
+        np.add.at(nu_point, program.segment_points, weighted)
+        per_point += np.einsum("px,pxy->py", nu_point, values.JF)
+        states = np.einsum("ij,kix->kjx", program.C, multipliers.defects)
+        np.add.at(total, layout.states_at(layout.state), states)
+    np.add.at(total, layout.states_at(program.point_state), per_point[:, :nx])
+    spread = program.point_weights[:, :, None] * per_point[:, None, nx : nx + nu]
+    np.add.at(total, layout.controls_at(program.point_control), spread)
+    total[layout.global_positions] += per_point[:, nx + nu :].sum(axis=0)
+    total[layout.states_at(layout.state[-1, -1:])[0]] += values.JM[:nx]
+    total[layout.global_positions] += values.JM[nx:]
+    _add_rates(program, multipliers.rates, total)
+    return total
+
+
+def _add_rates(program: Program, rho: Array, total: Array) -> None:
+    rows = program.rates
+    np.add.at(total, rows.positions, rho[:, None] * rows.weights)
+    if program.duration is None:
+        active = np.where(rho > 0, rows.upper, rows.lower)
+        bound = np.where(rho == 0, 0.0, active)
+        total[program.layout.globals] -= np.sum(rho * bound * rows.length)
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """KKT residuals, unscaled, in the user's units."""
+
+    stationarity: float
+    feasibility: float
+    complementarity: float
+
+    @property
+    def largest(self) -> float:
+        """The KKT residual."""
+        return max(self.stationarity, self.feasibility, self.complementarity)
+
+
+def residuals(
+    program: Program, z: Array, multipliers: Multipliers, values: Evaluation
+) -> Residuals:
+    """Return the KKT residuals of (z, multipliers)."""
+    rate, rate_lower, rate_upper = rate_values(program, z)
+    boxes = [
+        (z, program.lower, program.upper, multipliers.bounds),
+        (values.g, program.path_lower, program.path_upper, multipliers.path),
+        (rate, rate_lower, rate_upper, multipliers.rates),
+    ]
+    return Residuals(
+        stationarity=_largest(gradient(program, values, multipliers)),
+        feasibility=max(
+            _largest(defects(program, z, values)),
+            *(_largest(np.maximum(np.maximum(low - v, v - high), 0)) for v, low, high, _ in boxes),
+        ),
+        complementarity=max(_complementarity(*box) for box in boxes),
+    )
+
+
+def _complementarity(value: Array, lower: Array, upper: Array, multiplier: Array) -> float:
+    bound = np.where(multiplier > 0, upper, lower)
+    active = multiplier != 0
+    return _largest(multiplier[active] * (bound - value)[active])
+
+
+def _largest(values: Array) -> float:
+    return float(np.max(np.abs(values))) if values.size else 0.0

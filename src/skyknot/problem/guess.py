@@ -1,0 +1,124 @@
+"""The guess ladder: the user's own guess, else a flat lift, else a straight line at hover.
+
+Legend: T duration, s in [0, 1] fraction of it, d^i/dt^i written by the order i.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skyknot.errors import UserError
+from skyknot.models.flatness import lift
+from skyknot.problem.problem import Problem
+from skyknot.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+
+NODES = 41
+# Rest-to-rest minimum-snap polynomial 35 s⁴ − 84 s⁵ + 70 s⁶ − 20 s⁷: three derivatives vanish at
+# both ends, so the lifted torques start and end at rest (Mellinger & Kumar 2011).
+REST_TO_REST = np.polynomial.Polynomial([0, 0, 0, 0, 35, -84, 70, -20])
+
+
+def initial_guess(problem: Problem) -> tuple[Trajectory, str]:
+    """Return the best guess the ladder has without a solve, and the name of its rung.
+
+    Returns
+    -------
+    guess : Trajectory over the problem's duration, or the start of its free horizon
+    rung : "flat lift" or "straight line"
+    """
+    lifted = flat_lift(problem)
+    if lifted is not None:
+        return lifted, "flat lift"
+    return straight_line(problem), "straight line"
+
+
+def straight_line(problem: Problem) -> Trajectory:
+    """Return states linear between the ends, controls at hover (or nearest zero)."""
+    first, last = ends(problem)
+    times = np.array([0.0, problem.duration_guess])
+    control = resting_control(problem)
+    return Trajectory(
+        times,
+        np.stack([first, last]),
+        np.stack([control, control]),
+        state_names=problem.state_names,
+        control_names=problem.control_names,
+    )
+
+
+def ends(problem: Problem) -> tuple[Array, Array]:
+    """Return first and last state: what is asked, else the target, else the nearest known."""
+    first = _known(problem.initial_lower, problem.initial_upper)
+    last = _known(problem.final_lower, problem.final_upper)
+    if problem.target is not None:
+        last = np.where(np.isnan(last), problem.target, last)
+    rest = np.clip(np.zeros(problem.nx), problem.state_lower, problem.state_upper)
+    first_full = np.where(np.isnan(first), np.where(np.isnan(last), rest, last), first)
+    return first_full, np.where(np.isnan(last), first_full, last)
+
+
+def resting_control(problem: Problem) -> Array:
+    """Return the vehicle's hover control where it fits, else the allowed value nearest zero."""
+    hover = getattr(problem.vehicle, "hover", None)
+    rest = np.zeros(problem.nu) if hover is None else np.asarray(hover, dtype=float)
+    if rest.shape != (problem.nu,):
+        thrusts = problem.vehicle.rotor_thrusts(rest)
+        rest = thrusts if thrusts.shape == (problem.nu,) else np.zeros(problem.nu)
+    clipped: Array = np.clip(rest, problem.control_lower, problem.control_upper)
+    return clipped
+
+
+def flat_lift(problem: Problem) -> Trajectory | None:
+    """Return the lift of the translational–yaw motion, or None where it does not apply.
+
+    The translational–yaw model has a closed-form minimum-snap solution between two rests; its
+    position and yaw determine every state and control of the quadrotor by differential flatness.
+    """
+    if problem.vehicle is None or problem.nx != 12:
+        return None
+    first, last = ends(problem)
+    moves = np.concatenate([last[:3] - first[:3], [last[8] - first[8]]])
+    if not np.any(moves):
+        return None
+    T = problem.duration_guess
+    s = np.linspace(0, 1, NODES)
+    derivatives = [REST_TO_REST.deriv(i)(s) / T**i if i else REST_TO_REST(s) for i in range(5)]
+    flat = [d[:, None] * moves for d in derivatives]
+    position, velocity, acceleration, jerk, snap = (f[:, :3] for f in flat)
+    yaw, yaw_rate, yaw_acceleration = (f[:, 3] for f in flat[:3])
+    try:
+        states, controls = lift(
+            problem.vehicle,
+            first[:3] + position,
+            velocity,
+            acceleration,
+            jerk,
+            snap,
+            first[8] + yaw,
+            yaw_rate,
+            yaw_acceleration,
+        )
+    except UserError:  # too steep for the vehicle: the next rung of the ladder serves
+        return None
+    if problem.control_names != ("T", "tau_x", "tau_y", "tau_z"):
+        controls = problem.vehicle.rotor_thrusts(controls)
+    if controls.shape[1] != problem.nu or not np.all(np.isfinite(states)):
+        return None
+    return Trajectory(
+        T * s,
+        np.clip(states, problem.state_lower, problem.state_upper),
+        np.clip(controls, problem.control_lower, problem.control_upper),
+        state_names=problem.state_names,
+        control_names=problem.control_names,
+    )
+
+
+def _known(lower: Array, upper: Array) -> Array:
+    """Return the fixed or middle value where both bounds are finite, NaN elsewhere."""
+    bounded = np.isfinite(lower) & np.isfinite(upper)
+    return np.where(
+        bounded, 0.5 * (np.where(bounded, lower, 0) + np.where(bounded, upper, 0)), np.nan
+    )

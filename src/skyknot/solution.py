@@ -1,0 +1,224 @@
+"""Solution: trajectory, multipliers, status, history, work counts; saved to one file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from skyknot.errors import UserError
+from skyknot.status import Status
+from skyknot.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from skyknot.problem.problem import Problem
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Record:
+    """What a solution says about how it came to be; all plain data, saved as JSON.
+
+    Attributes
+    ----------
+    problem, transcription, solver : names
+    segments : number of segments
+    tolerance : tolerance asked for
+    frame : frame of the positions
+    state_units, control_units : units of the columns
+    parameters : values of parameters and of free globals
+    guess : rung of the guess ladder
+    versions : of skyknot, CasADi, NumPy and Python
+    inputs_hash : SHA-256 of the finite program solved
+    detail : names the variable or constraint at fault; empty on success
+    timings : seconds spent in each phase
+    work : counts of evaluations and factorisations
+    """
+
+    problem: str
+    transcription: str
+    solver: str
+    segments: int
+    tolerance: float
+    frame: str = "NED"
+    state_units: tuple[str, ...] = ()
+    control_units: tuple[str, ...] = ()
+    parameters: dict[str, float] = field(default_factory=dict)
+    guess: str = "user"
+    versions: dict[str, str] = field(default_factory=dict)
+    inputs_hash: str = ""
+    detail: str = ""
+    timings: dict[str, float] = field(default_factory=dict)
+    work: dict[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What ``solve`` returns, solved or not.
+
+    Attributes
+    ----------
+    status : closed vocabulary, see Status; ``success`` is True for solved and acceptable
+    objective : value of the objective
+    iterations, solve_time : count, and seconds in the solver
+    history : (iterations, 7) columns ``HISTORY``
+    trajectory : Trajectory with the scheme's own interpolant
+    costates : (N+1, nx) at the nodes, by the transformed adjoint
+    kkt_residual : largest of stationarity, feasibility, complementarity, unscaled
+    max_defect : largest defect, state units
+    multipliers : arrays "defects", "path", "rates", "bounds", signed as in kernel/program.py
+    decision : decision vector z, for warm starts
+    record : names, versions, units, counts
+    problem : the problem solved; None for a solution read from a file
+    gains : (N+1, nu, nx) feedback gains at the nodes, where the solver has them
+    """
+
+    status: Status
+    objective: float
+    iterations: int
+    solve_time: float
+    history: Array
+    trajectory: Trajectory
+    costates: Array
+    kkt_residual: float
+    max_defect: float
+    multipliers: dict[str, Array]
+    decision: Array
+    record: Record
+    problem: Problem | None = None
+    gains: Array | None = None
+
+    @property
+    def success(self) -> bool:
+        """Whether the tolerances were met."""
+        return self.status.success
+
+    @property
+    def message(self) -> str:
+        """The outcome as a sentence, with what to try when there is something to try."""
+        effort = f"{self.iterations} iterations, {_seconds(self.solve_time)}"
+        head = f"{self.status.value.capitalize()}: objective {self.objective:.6g} after {effort}."
+        parts = [head, self.status.sentence, self.record.detail, self.status.advice]
+        return " ".join(part for part in parts if part)
+
+    @property
+    def times(self) -> Array:
+        """(N+1,) node times, s."""
+        return self.trajectory.times
+
+    @property
+    def states(self) -> Array:
+        """(N+1, nx) states at the nodes."""
+        return self.trajectory.states
+
+    @property
+    def controls(self) -> Array:
+        """(N+1, nu) controls at the nodes."""
+        return self.trajectory.controls
+
+    @property
+    def midpoint_states(self) -> Array:
+        """(N, nx) states in the middle of the segments."""
+        segments = self.trajectory.segments
+        if segments is not None and np.array_equal(segments.interior_points, [0.5]):
+            return segments.interior_states[:, 0]
+        return self.state(0.5 * (self.times[:-1] + self.times[1:]))
+
+    @property
+    def midpoint_controls(self) -> Array:
+        """(N, nu) controls in the middle of the segments."""
+        return self.control(0.5 * (self.times[:-1] + self.times[1:]))
+
+    def state(self, t: ArrayLike) -> Array:
+        """Return the state at t [s], (nx,) or (M, nx), by the scheme's own interpolant."""
+        return self.trajectory.state(t)
+
+    def control(self, t: ArrayLike) -> Array:
+        """Return the control at t [s], (nu,) or (M, nu), by the scheme's own interpolant."""
+        return self.trajectory.control(t)
+
+    def feedback(self, t: ArrayLike) -> Array:
+        """Return the gains K(t), (nu, nx) or (M, nu, nx): u = u*(t) − K(t)(x − x*(t)).
+
+        Raises
+        ------
+        UserError
+            When the solver has no factorisation to take gains from.
+        """
+        if self.gains is None:
+            raise UserError(
+                "This solution carries no feedback gains.",
+                where="solution.feedback",
+                found=f"solver '{self.record.solver}'",
+                expected="a solver with a Riccati factorisation",
+                do="Solve with a solver that gives gains, or design them from the trajectory.",
+            )
+        t = np.asarray(t, dtype=float)
+        k = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)
+        share = np.clip((t - self.times[k]) / (self.times[k + 1] - self.times[k]), 0, 1)
+        share = np.asarray(share)[..., None, None]
+        result: Array = (1 - share) * self.gains[k] + share * self.gains[k + 1]
+        return result
+
+    def verify(self, problem: Problem | None = None) -> Any:
+        """Return the Certificate: an independent check that shares no code with the solver.
+
+        Parameters
+        ----------
+        problem : the problem solved; needed for a solution read from a file
+
+        Raises
+        ------
+        UserError
+            When no problem is at hand.
+        """
+        from skyknot.verification import certify  # room entered on request: it imports scipy
+
+        asked = problem or self.problem
+        if asked is None:
+            raise UserError(
+                "A solution read from a file does not carry its problem.",
+                where="solution.verify",
+                found="no problem",
+                expected="the problem that was solved",
+                do="Call solution.verify(problem), or 'skyknot verify DIR' for a saved run.",
+            )
+        return certify(asked, self.trajectory)
+
+    def report(self, path: str | Path) -> Path:
+        """Write a one-page HTML report with figures and verdict; return its path."""
+        from skyknot.report import write_report  # room entered on request: it imports matplotlib
+
+        written: Path = write_report(self, Path(path))
+        return written
+
+    def plot(self, kind: str = "overview") -> Any:
+        """Return a matplotlib figure of the given kind."""
+        from skyknot.report import draw  # room entered on request: it imports matplotlib
+
+        return draw(self, kind)
+
+    def save(self, path: str | Path) -> Path:
+        """Write everything to one NPZ file, through a temporary file; return its path."""
+        from skyknot.storage import save
+
+        return save(self, Path(path))
+
+
+HISTORY = (
+    "iteration",
+    "objective",
+    "primal_infeasibility",
+    "dual_infeasibility",
+    "barrier",
+    "step",
+    "regularisation",
+)
+
+
+def _seconds(seconds: float) -> str:
+    return f"{1e3 * seconds:.3g} ms" if seconds < 1 else f"{seconds:.3g} s"

@@ -1,0 +1,216 @@
+"""The front door: solve(problem, transcription, solver, guess) -> Solution."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+import time
+from collections.abc import Mapping
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from skyknot.errors import UserError
+from skyknot.problem.guess import initial_guess
+from skyknot.problem.problem import Problem
+from skyknot.solution import HISTORY, Record, Solution
+from skyknot.solvers import SOLVERS
+from skyknot.solvers.base import Callback, Solver, SolverResult
+from skyknot.trajectory import Trajectory
+from skyknot.transcription import DOORS, Transcription
+from skyknot.transcription.recover import multipliers_from, recover
+from skyknot.version import __version__
+
+Array = NDArray[np.float64]
+
+DEFAULT_SOLVER = "ipopt"
+
+
+def solve(
+    problem: Problem,
+    transcription: Transcription | Mapping[str, Any] | str = "hermite-simpson",
+    solver: Solver | str = DEFAULT_SOLVER,
+    guess: Trajectory | Solution | None = None,
+    tolerance: float = 1e-6,
+    callback: Callback | None = None,
+) -> Solution:
+    """Solve ``problem``; a failure is a Solution with ``success=False``, never an exception.
+
+    Parameters
+    ----------
+    problem : what is asked
+    transcription : how it becomes finite: an object such as ``HermiteSimpson(segments=100)``, a
+        scheme's name, or a mapping such as ``{"scheme": "trapezoid", "segments": 50}``
+    solver : a name, or an object with settings such as ``Ipopt(max_iterations=50)``
+    guess : a Trajectory, a Solution (its multipliers are used too when the mesh is the same), or
+        None for the guess ladder
+    tolerance : on the optimality conditions, in the user's units
+    callback : called with an IterationRecord each iteration; returning True stops the solve
+
+    Raises
+    ------
+    UserError
+        Before iterating, with the name of the offending argument.
+    """
+    watch = _Stopwatch()
+    scheme = resolve_transcription(transcription)
+    chosen = resolve_solver(solver)
+    _check_arguments(problem, guess, tolerance)
+    start, rung = _start(problem, guess)
+    watch.lap("guess")
+    program = scheme.program(problem, start)
+    multipliers = None
+    if isinstance(guess, Solution) and guess.decision.shape == program.start.shape:
+        multipliers = multipliers_from(program, guess.multipliers)
+        program = program.starting_at(np.clip(guess.decision, program.lower, program.upper))
+    watch.lap("transcription")
+    result = chosen.solve(program, tolerance, multipliers, callback)
+    watch.lap("solver")
+    recovered = recover(program, scheme.table.points, result.z, result.multipliers)
+    watch.lap("recovery")
+    return Solution(
+        status=result.status,
+        objective=recovered.objective,
+        iterations=result.iterations,
+        solve_time=watch.laps["solver"],
+        history=_history(result),
+        trajectory=recovered.trajectory,
+        costates=recovered.costates,
+        kkt_residual=recovered.kkt_residual,
+        max_defect=recovered.max_defect,
+        multipliers={
+            name: getattr(result.multipliers, name)
+            for name in ("defects", "path", "rates", "bounds")
+        },
+        decision=result.z,
+        record=Record(
+            problem=problem.name,
+            transcription=f"{scheme.table.name}, {scheme.controls} control",
+            solver=chosen.name,
+            segments=program.segments,
+            tolerance=tolerance,
+            frame=problem.frame,
+            state_units=tuple(state.unit for state in problem.states),
+            control_units=tuple(control.unit for control in problem.controls),
+            parameters=problem.parameter_values() | recovered.globals,
+            guess=rung,
+            versions=_versions(),
+            inputs_hash=_inputs_hash(program),
+            detail=result.detail,
+            timings=watch.laps,
+            work=result.work,
+        ),
+        problem=problem,
+        gains=result.gains,
+    )
+
+
+def resolve_transcription(choice: Transcription | Mapping[str, Any] | str) -> Transcription:
+    """Return the transcription that a name, a mapping or an object stands for."""
+    if isinstance(choice, Transcription):
+        return choice
+    settings = {"scheme": choice} if isinstance(choice, str) else dict(choice)
+    name = settings.pop("scheme", "hermite-simpson")
+    if name not in DOORS:
+        raise _unknown("scheme", name, DOORS)
+    return DOORS[name](**settings)
+
+
+def resolve_solver(choice: Solver | str) -> Solver:
+    """Return the solver that a name or an object stands for."""
+    if not isinstance(choice, str):
+        return choice
+    if choice not in SOLVERS:
+        raise _unknown("solver", choice, SOLVERS)
+    return SOLVERS[choice]()
+
+
+def _unknown(kind: str, name: object, known: Mapping[str, Any]) -> UserError:
+    return UserError(
+        f"There is no {kind} of this name.",
+        where=kind,
+        found=repr(name),
+        expected=" or ".join(repr(key) for key in known),
+        do=f"Choose one of the {kind}s above.",
+    )
+
+
+def _check_arguments(problem: Problem, guess: object, tolerance: float) -> None:
+    if not isinstance(problem, Problem):
+        raise UserError(
+            "The first argument of solve is not a Problem.",
+            where="problem",
+            found=type(problem).__name__,
+            expected="a skyknot Problem",
+            do="Build one with sk.Problem(...), or load a mission and pass mission.problem.",
+        )
+    if not (np.isfinite(tolerance) and tolerance > 0):
+        raise UserError(
+            "The tolerance must be positive.",
+            where="tolerance",
+            found=tolerance,
+            expected="a small positive number, e.g. 1e-6",
+            do="Leave it out for the default.",
+        )
+    if isinstance(guess, Trajectory | Solution):
+        found = (guess.states.shape[1], guess.controls.shape[1])
+        if found != (problem.nx, problem.nu):
+            raise UserError(
+                "The guess does not fit the problem.",
+                where="guess",
+                found=f"{found[0]} states and {found[1]} controls",
+                expected=f"{problem.nx} states and {problem.nu} controls",
+                do="Give columns in the order of the problem's names.",
+            )
+    elif guess is not None:
+        raise UserError(
+            "The guess has the wrong type.",
+            where="guess",
+            found=type(guess).__name__,
+            expected="a Trajectory, a Solution or None",
+            do="Wrap arrays as sk.Trajectory(times, states, controls).",
+        )
+
+
+def _start(problem: Problem, guess: Trajectory | Solution | None) -> tuple[Trajectory, str]:
+    if guess is None:
+        return initial_guess(problem)
+    return (guess.trajectory, "solution") if isinstance(guess, Solution) else (guess, "user")
+
+
+def _history(result: SolverResult) -> Array:
+    rows = [[getattr(record, name) for name in HISTORY] for record in result.history]
+    return np.array(rows, dtype=float).reshape(-1, len(HISTORY))
+
+
+def _versions() -> dict[str, str]:
+    return {
+        "skyknot": __version__,
+        "casadi": str(ca.CasadiMeta.version()),
+        "numpy": np.__version__,
+        "python": platform.python_version(),
+    }
+
+
+def _inputs_hash(program: Any) -> str:
+    digest = hashlib.sha256()
+    for function in (program.point, program.terminal):
+        digest.update(function.serialize().encode())
+    for array in (program.C, program.A, program.fractions, program.start):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    for array in (program.lower, program.upper, program.path_lower, program.path_upper):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
+
+
+class _Stopwatch:
+    def __init__(self) -> None:
+        self.laps: dict[str, float] = {}
+        self._last = time.perf_counter()
+
+    def lap(self, name: str) -> None:
+        now = time.perf_counter()
+        self.laps[name] = now - self._last
+        self._last = now

@@ -1,0 +1,171 @@
+"""One NPZ file for a solution, and CSV for everyone else. Files are data, never executed."""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skyknot.errors import UserError
+from skyknot.solution import Record, Solution
+from skyknot.status import Status
+from skyknot.trajectory import SegmentData, Trajectory
+
+Array = NDArray[np.float64]
+
+FORMAT = "skyknot solution 1"
+_SEGMENTS = tuple(SegmentData.__dataclass_fields__)
+_MULTIPLIERS = ("defects", "path", "rates", "bounds")
+
+
+def save(solution: Solution, path: Path) -> Path:
+    """Write ``solution`` to ``path`` (.npz is added); an interrupted write leaves the old file."""
+    path = path if path.suffix == ".npz" else path.with_name(path.name + ".npz")
+    arrays: dict[str, Any] = {
+        "metadata": np.array(json.dumps(_metadata(solution))),
+        "times": solution.times,
+        "states": solution.states,
+        "controls": solution.controls,
+        "costates": solution.costates,
+        "history": solution.history,
+        "decision": solution.decision,
+        **{f"multiplier_{name}": solution.multipliers[name] for name in _MULTIPLIERS},
+    }
+    if solution.trajectory.segments is not None:
+        arrays |= {f"segment_{n}": getattr(solution.trajectory.segments, n) for n in _SEGMENTS}
+    if solution.gains is not None:
+        arrays["gains"] = solution.gains
+    replace_file(path, lambda part: _write_npz(part, arrays))
+    return path
+
+
+def load(path: str | Path) -> Solution:
+    """Read a solution written by ``Solution.save``.
+
+    Raises
+    ------
+    UserError
+        When the file is missing, damaged, or not a skyknot solution.
+    """
+    path = Path(path)
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            arrays = {name: stored[name] for name in stored.files}
+        metadata = json.loads(str(arrays["metadata"]))
+        if metadata.get("format") != FORMAT:
+            raise _unreadable(path, f"format '{metadata.get('format')}'")
+        return _solution(arrays, metadata)
+    except FileNotFoundError as error:
+        raise _unreadable(path, "no such file") from error
+    except (OSError, EOFError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
+        raise _unreadable(path, f"{type(error).__name__}: {error}") from error
+
+
+def write_csv(solution: Solution, path: str | Path) -> Path:
+    """Write node times, states and controls as CSV; units and frame stand in the header."""
+    trajectory, record = solution.trajectory, solution.record
+    names = ("t", *trajectory.state_names, *trajectory.control_names)
+    units = ("s", *record.state_units, *record.control_units)
+    header = "\n".join(
+        [
+            f"# skyknot trajectory: {record.problem}",
+            f"# frame: {record.frame}; angles: ZYX Euler; {solution.status.value}",
+            "# " + ", ".join(f"{n} [{u or '-'}]" for n, u in zip(names, units, strict=True)),
+            ",".join(names),
+        ]
+    )
+    table = np.column_stack([trajectory.times, trajectory.states, trajectory.controls])
+    target = Path(path)
+    replace_file(
+        target,
+        lambda part: np.savetxt(
+            part, table, delimiter=",", header=header, comments="", fmt="%.17g"
+        ),
+    )
+    return target
+
+
+def replace_file(path: Path, write: Any) -> None:
+    """Call ``write`` on a temporary file beside ``path``, then rename it; clean up on failure."""
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write(part)
+        os.replace(part, path)
+    except OSError as error:
+        raise UserError(
+            "The file cannot be written.",
+            where=str(path),
+            found=f"{type(error).__name__}: {error.strerror}",
+            expected="a writable folder with enough space",
+            do="Choose another place, or free some space; an earlier file there is untouched.",
+        ) from error
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _write_npz(part: Path, arrays: dict[str, Any]) -> None:
+    with part.open("wb") as stream:
+        np.savez_compressed(stream, **arrays)
+
+
+def _metadata(solution: Solution) -> dict[str, Any]:
+    return {
+        "format": FORMAT,
+        "status": solution.status.value,
+        "objective": solution.objective,
+        "iterations": solution.iterations,
+        "solve_time": solution.solve_time,
+        "kkt_residual": solution.kkt_residual,
+        "max_defect": solution.max_defect,
+        "state_names": solution.trajectory.state_names,
+        "control_names": solution.trajectory.control_names,
+        "record": asdict(solution.record),
+    }
+
+
+def _solution(arrays: dict[str, Any], metadata: dict[str, Any]) -> Solution:
+    record = metadata["record"]
+    for name in ("state_units", "control_units"):
+        record[name] = tuple(record[name])
+    segments = None
+    if "segment_rates" in arrays:
+        segments = SegmentData(**{name: arrays[f"segment_{name}"] for name in _SEGMENTS})
+    return Solution(
+        status=Status(metadata["status"]),
+        objective=float(metadata["objective"]),
+        iterations=int(metadata["iterations"]),
+        solve_time=float(metadata["solve_time"]),
+        history=arrays["history"],
+        trajectory=Trajectory(
+            arrays["times"],
+            arrays["states"],
+            arrays["controls"],
+            segments,
+            tuple(metadata["state_names"]),
+            tuple(metadata["control_names"]),
+        ),
+        costates=arrays["costates"],
+        kkt_residual=float(metadata["kkt_residual"]),
+        max_defect=float(metadata["max_defect"]),
+        multipliers={name: arrays[f"multiplier_{name}"] for name in _MULTIPLIERS},
+        decision=arrays["decision"],
+        record=Record(**record),
+        gains=arrays.get("gains"),
+    )
+
+
+def _unreadable(path: Path, found: str) -> UserError:
+    return UserError(
+        "This is not a readable skyknot solution.",
+        where=str(path),
+        found=found,
+        expected="a .npz file written by solution.save",
+        do="Check the path; solve again if the file is damaged.",
+    )

@@ -1,0 +1,235 @@
+"""How continuous becomes finite: from a Problem to a Program.
+
+Duties of whoever adds a scheme:
+1. Write its row of ``schemes.py``: points, C, A, b, orders, control points, source. The table
+   checks itself when it is made.
+2. Write its front door in ``doors.py``: the name users call, with the options that make sense.
+3. Nothing else: packing, recovery of trajectory and costates, and every solver follow the table.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skyknot.errors import UserError
+from skyknot.kernel.layout import Layout, node_major
+from skyknot.kernel.program import Program
+from skyknot.problem.problem import Problem
+from skyknot.trajectory import Trajectory
+from skyknot.transcription.mesh import with_nodes_at
+from skyknot.transcription.pointwise import global_names, point_function, terminal_function
+from skyknot.transcription.rates import rate_rows
+from skyknot.transcription.scales import decision_scales
+from skyknot.transcription.table import SchemeTable
+
+Array = NDArray[np.float64]
+Offsets = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Transcription:
+    """A scheme on a mesh; made by ``HermiteSimpson(segments=100)`` and its siblings.
+
+    Attributes
+    ----------
+    table : the scheme
+    nodes : (N+1,) fractions of the horizon
+    controls : control parametrisation: "hold", "linear", "quadratic"
+    form : "separated" (interior states are unknowns) or "compressed" (they are eliminated)
+    enforce : "points" bounds states and path at every point of the scheme, "nodes" at nodes only
+    objective : "integral" by the scheme's quadrature, or "sum" over nodes 0…N−1 as in equation (10)
+    """
+
+    table: SchemeTable
+    nodes: Array = field(repr=False)
+    controls: str
+    form: str = "separated"
+    enforce: str = "points"
+    objective: str = "integral"
+
+    def __post_init__(self) -> None:
+        allowed = {
+            "controls": tuple(self.table.control_points),
+            "form": ("separated", "compressed"),
+            "enforce": ("points", "nodes"),
+            "objective": ("integral", "sum"),
+        }
+        for name, values in allowed.items():
+            if getattr(self, name) not in values:
+                raise UserError(
+                    f"The {self.table.name} scheme does not know this choice.",
+                    where=name,
+                    found=repr(getattr(self, name)),
+                    expected=" or ".join(repr(value) for value in values),
+                    do=f"Choose one of the values allowed for {name}.",
+                )
+
+    @property
+    def segments(self) -> int:
+        """Number of segments."""
+        return len(self.nodes) - 1
+
+    def program(self, problem: Problem, guess: Trajectory) -> Program:
+        """Return the finite program of ``problem`` on this mesh, started from ``guess``."""
+        nodes = with_nodes_at(self.nodes, [entry.at for entry in problem.points])
+        points = _Points(self, nodes, problem)
+        layout = points.layout
+        lower, upper = _bounds(self, problem, layout)
+        names = global_names(problem)
+        path_lower, path_upper = points.path_bounds()
+        duration = None if problem.free_horizon else problem.duration_guess
+        return Program(
+            name=problem.name,
+            state_names=problem.state_names,
+            control_names=problem.control_names,
+            global_names=names,
+            path_names=tuple(entry.name for entry in problem.constraints),
+            point=point_function(problem),
+            terminal=terminal_function(problem),
+            C=self.table.C,
+            A=self.table.A[:, self.table.used],
+            control_weights=points.weights[self.table.used],
+            control_points=self.table.control_points[self.controls],
+            shared=points.shared,
+            fractions=points.fractions,
+            used=self.table.used,
+            segment_points=points.segment_points,
+            point_state=points.state,
+            point_control=points.control,
+            point_weights=points.combination,
+            point_time=points.time,
+            segment_cost=self._segment_cost(points.fractions, problem),
+            layout=layout,
+            lower=lower,
+            upper=upper,
+            path_lower=path_lower,
+            path_upper=path_upper,
+            rates=rate_rows(
+                problem, layout, points.fractions, self.table.control_points[self.controls]
+            ),
+            start=_start(problem, guess, self.table.points, points, lower, upper),
+            scales=decision_scales(problem, layout),
+            compressed=self.form == "compressed",
+            duration=duration,
+        )
+
+    def _segment_cost(self, fractions: Array, problem: Problem) -> Array:
+        weights = fractions[:, None] * self.table.b[None, self.table.used]
+        if self.objective == "integral":
+            return weights
+        if problem.free_horizon:
+            raise UserError(
+                "The plain sum over the nodes has no meaning with a free horizon.",
+                where="objective",
+                found="'sum' with a free horizon",
+                expected="'integral', or a fixed horizon",
+                do="Use objective='integral'.",
+            )
+        weights = np.zeros_like(weights)
+        weights[:, 0] = 1 / problem.duration_guess
+        return weights
+
+
+class _Points:
+    """Index bookkeeping of the evaluated points; used once, while a program is made."""
+
+    def __init__(self, transcription: Transcription, nodes: Array, problem: Problem) -> None:
+        table = transcription.table
+        self.nodes, self.fractions, self.problem = nodes, np.diff(nodes), problem
+        self.enforce = transcription.enforce
+        self.weights = table.control_weights(transcription.controls)
+        self.shared = table.shares_controls(transcription.controls)
+        self.control_points = table.control_points[transcription.controls]
+        N, s, m = len(self.fractions), len(table.points), self.weights.shape[1]
+        nq = len(global_names(problem))
+        self.layout: Layout = node_major(N, s, m, self.shared, problem.nx, problem.nu, nq)
+        self.used = table.used
+        self.inner_time = nodes[:-1, None] + self.fractions[:, None] * table.points[None, :]
+        self._list_points(N, s)
+
+    def _list_points(self, N: int, s: int) -> None:
+        places = [(k, int(j)) for k in range(N) for j in self.used]
+        if self.shared and self.used[0] == 0 and self.used[-1] == s - 1:
+            places = [(k, j) for k, j in places if j != s - 1 or k == N - 1]
+        has_path = bool(self.problem.path or self.problem.points)
+        extra = [(0, 0), (N - 1, s - 1)] if has_path else []
+        places += [place for place in extra if place not in places]
+        index = {place: i for i, place in enumerate(places)}
+        index.update(
+            {
+                (k, s - 1): index[(k + 1, 0)]
+                for k in range(N - 1)
+                if (k, s - 1) not in index and (k + 1, 0) in index
+            }
+        )
+        self.segment_points: Offsets = np.array(
+            [[index[k, int(j)] for j in self.used] for k in range(N)]
+        )
+        k, j = np.array(places).T
+        self.state = self.layout.state[k, j]
+        self.control = self.layout.control[k]
+        self.combination = self.weights[j]
+        self.time = self.inner_time[k, j]
+        self.at_node = (j == 0) | (j == s - 1)
+
+    def path_bounds(self) -> tuple[Array, Array]:
+        """Return (P, ng) bounds, infinite where a constraint does not apply."""
+        path, points, P = self.problem.path, self.problem.points, len(self.time)
+        lower, upper = np.full((P, len(path) + len(points)), -np.inf), None
+        upper = -lower
+        where = np.ones(P, dtype=bool) if self.enforce == "points" else self.at_node
+        for column, entry in enumerate(path):
+            lower[where, column] = -np.inf if entry.lower is None else entry.lower
+            upper[where, column] = np.inf if entry.upper is None else entry.upper
+        for column, event in enumerate(points, start=len(path)):
+            row = int(np.argmin(np.abs(self.time - event.at)))
+            lower[row, column] = -np.inf if event.lower is None else event.lower
+            upper[row, column] = np.inf if event.upper is None else event.upper
+        return lower, upper
+
+
+def _bounds(transcription: Transcription, problem: Problem, layout: Layout) -> tuple[Array, Array]:
+    lower, upper = np.full(layout.size, -np.inf), np.full(layout.size, np.inf)
+    states = layout.state if transcription.enforce == "points" else layout.state[:, [0, -1]]
+    lower[layout.states_at(states)] = problem.state_lower
+    upper[layout.states_at(states)] = problem.state_upper
+    lower[layout.controls_at(layout.control)] = problem.control_lower
+    upper[layout.controls_at(layout.control)] = problem.control_upper
+    for node, low, high in (
+        (layout.state[0, 0], problem.initial_lower, problem.initial_upper),
+        (layout.state[-1, -1], problem.final_lower, problem.final_upper),
+    ):
+        here = node + np.arange(layout.nx)
+        lower[here], upper[here] = np.maximum(lower[here], low), np.minimum(upper[here], high)
+    free = ([problem.horizon] if problem.free_horizon else []) + list(
+        problem.free_parameters.values()
+    )
+    lower[layout.global_positions] = [quantity.lower for quantity in free]  # type: ignore[union-attr]
+    upper[layout.global_positions] = [quantity.upper for quantity in free]  # type: ignore[union-attr]
+    return lower, upper
+
+
+def _start(
+    problem: Problem,
+    guess: Trajectory,
+    points: Array,
+    bookkeeping: _Points,
+    lower: Array,
+    upper: Array,
+) -> Array:
+    layout, nodes, fractions = bookkeeping.layout, bookkeeping.nodes, bookkeeping.fractions
+    T = guess.duration
+    z = np.zeros(layout.size)
+    for places, offsets, read in (
+        (points, layout.states_at(layout.state), guess.state),
+        (bookkeeping.control_points, layout.controls_at(layout.control), guess.control),
+    ):
+        tau = nodes[:-1, None] + fractions[:, None] * places[None, :]
+        values = read(guess.times[0] + T * np.minimum(tau, 1.0).ravel())
+        z[offsets] = np.reshape(values, offsets.shape)
+    free = [value.start for value in problem.free_parameters.values()]
+    z[layout.global_positions] = ([T] if problem.free_horizon else []) + free
+    return np.clip(z, lower, upper)

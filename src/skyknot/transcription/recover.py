@@ -1,0 +1,122 @@
+"""Back from the decision vector to a trajectory and its costates.
+
+Legend: as in kernel/program.py; p(t) costate with H = ℓ + pᵀf.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skyknot.kernel.evaluation import Evaluation, defects, evaluate, objective, residuals
+from skyknot.kernel.program import Multipliers, Program
+from skyknot.trajectory import SegmentData, Trajectory
+
+Array = NDArray[np.float64]
+
+
+def trajectory(program: Program, points: Array, z: Array, values: Evaluation) -> Trajectory:
+    """Return the trajectory of z, with the interpolant of its own scheme.
+
+    Parameters
+    ----------
+    points : (s,) state points of the scheme
+    values : evaluation of the program at z
+    """
+    layout, T = program.layout, program.duration_of(z)
+    X = z[layout.states_at(layout.state)]
+    U = z[layout.controls_at(layout.control)]
+    controls = np.concatenate([U[:, 0], U[-1:, -1]])
+    return Trajectory(
+        times=T * np.concatenate([[0.0], np.cumsum(program.fractions)]),
+        states=np.concatenate([X[:, 0], X[-1:, -1]]),
+        controls=controls,
+        segments=SegmentData(
+            rate_points=points[program.used],
+            rates=values.F[program.segment_points] / T,
+            control_points=program.control_points,
+            control_values=U,
+            interior_points=points[1:-1],
+            interior_states=X[:, 1:-1],
+        ),
+        state_names=program.state_names,
+        control_names=program.control_names,
+    )
+
+
+def costates(program: Program, values: Evaluation, multipliers: Multipliers) -> Array:
+    """Return (N+1, nx) node costates by the transformed adjoint.
+
+    p_k = ∂/∂x_k [J_k + λ_kᵀ d_k] with the terms of segment k alone; at the last node the terms of
+    the last segment with the opposite sign. Order 4 with Hermite–Simpson.
+
+    References
+    ----------
+    W. W. Hager, Numerische Mathematik 87 (2000) 247–282.
+    """
+    first = _segment_partial(program, values, multipliers, 0)
+    last = -_segment_partial(program, values, multipliers, program.C.shape[1] - 1)
+    return np.concatenate([first, last[-1:]])
+
+
+def _segment_partial(
+    program: Program, values: Evaluation, multipliers: Multipliers, point: int
+) -> Array:
+    """Return (N, nx): ∂/∂x of J_k + λ_kᵀ d_k at one state point of each segment."""
+    nx = program.layout.nx
+    partial: Array = np.einsum("i,kix->kx", program.C[:, point], multipliers.defects)
+    column = np.flatnonzero(program.used == point)
+    if len(column) == 0:
+        return partial
+    j = int(column[0])
+    rows = program.segment_points[:, j]
+    weighted = program.fractions[:, None] * np.einsum(
+        "i,kix->kx", program.A[:, j], multipliers.defects
+    )
+    partial = partial + np.einsum("kx,kxy->ky", weighted, values.JF[rows][:, :, :nx])
+    return partial + program.segment_cost[:, j, None] * values.JL[rows][:, :nx]
+
+
+@dataclass(frozen=True)
+class Recovered:
+    """Everything a solution tells about z, in the user's units.
+
+    Attributes
+    ----------
+    trajectory : with the scheme's own interpolant
+    costates : (N+1, nx), see ``costates``
+    objective : value of the objective
+    kkt_residual : largest of stationarity, feasibility, complementarity, unscaled
+    max_defect : largest entry of the defects, state units
+    globals : values of the free duration and parameters, by name
+    """
+
+    trajectory: Trajectory
+    costates: Array
+    objective: float
+    kkt_residual: float
+    max_defect: float
+    globals: dict[str, float]
+
+
+def recover(program: Program, points: Array, z: Array, multipliers: Multipliers) -> Recovered:
+    """Return what z and its multipliers mean; ``points`` are the scheme's state points."""
+    values = evaluate(program, z)
+    q = program.globals_of(z)
+    return Recovered(
+        trajectory=trajectory(program, points, z, values),
+        costates=costates(program, values, multipliers),
+        objective=objective(program, values),
+        kkt_residual=residuals(program, z, multipliers, values).largest,
+        max_defect=float(np.max(np.abs(defects(program, z, values)))),
+        globals={name: float(q[i]) for i, name in enumerate(program.global_names)},
+    )
+
+
+def multipliers_from(program: Program, arrays: dict[str, Array]) -> Multipliers | None:
+    """Return stored multipliers when they fit the program, else None."""
+    empty = program.empty_multipliers()
+    fits = all(arrays[name].shape == getattr(empty, name).shape for name in arrays)
+    return Multipliers(**arrays) if fits else None
