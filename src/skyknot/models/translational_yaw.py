@@ -99,9 +99,9 @@ def flyable_accelerations(
 ) -> Bounds:
     """Return an acceleration box every corner of which needs no more than the thrust and tilt.
 
-    Vertical first: half the spare thrust, at most g/2, up; half the weight at most, down. The
-    horizontal half-width is then the largest for which the corners (both horizontal axes at their
-    limit) keep m|a − g e3| <= thrust_max when climbing and tan(tilt) when descending.
+    Vertical first: half the spare thrust, at most g/4, up and down alike. The horizontal half-width
+    is then the largest for which the corners (both horizontal axes at their limit) keep
+    m|a − g e3| <= thrust_max when climbing and the tilt when descending.
 
     Parameters
     ----------
@@ -113,12 +113,11 @@ def flyable_accelerations(
         Greatest angle of the thrust from the vertical, rad, below π/2.
     """
     spare = thrust_max / mass - gravity
-    up = min(0.5 * spare, 0.5 * gravity)
-    down = up
-    by_thrust = np.sqrt((thrust_max / mass) ** 2 - (gravity + up) ** 2)
-    by_tilt = (gravity - down) * np.tan(tilt_max)
+    vertical = min(0.5 * spare, 0.25 * gravity)
+    by_thrust = np.sqrt((thrust_max / mass) ** 2 - (gravity + vertical) ** 2)
+    by_tilt = (gravity - vertical) * np.tan(tilt_max)
     horizontal = min(by_thrust, by_tilt) / np.sqrt(2.0)
     return (
-        np.array([-horizontal, -horizontal, -up]),
-        np.array([horizontal, horizontal, down]),
+        np.array([-horizontal, -horizontal, -vertical]),
+        np.array([horizontal, horizontal, vertical]),
     )
