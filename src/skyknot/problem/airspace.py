@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import casadi as ca
@@ -29,7 +30,7 @@ class Shape:
 
     Attributes
     ----------
-    kind : "cylinder", "box", "sphere", "ellipsoid", "half-space", "corridor" or "band"
+    kind : "cylinder", "box", "sphere", "ellipsoid", "half-space", "corridor", "tube" or "band"
     sizes : numbers by name, as the functions of this module take them
     keep_in : True for a corridor or band, False for an obstacle
     """
@@ -165,6 +166,32 @@ def corridor(name: str, start: Vector, end: Vector, radius: float) -> PathConstr
     return PathConstraint(name, margin, lower=0.0, unit="m", shape=shape)
 
 
+def tube(name: str, points: Sequence[Vector], radius: float) -> PathConstraint:
+    """Stay within ``radius`` of a path of straight legs through ``points`` (n, 3) [m], NED.
+
+    The margin is a smooth maximum over the legs of radius minus distance, at most the true one;
+    it is smaller by 2.5 per cent of the radius for every leg after the first.
+    """
+    reach = _positive(name, "radius", radius)
+    corners = [np.array(_numbers(name, "points", point, 3)) for point in points]
+    legs = list(pairwise(corners))
+    for a, b in legs or [(np.zeros(3), np.zeros(3))]:
+        _positive(name, "length of a leg", float(np.linalg.norm(b - a)))
+    epsilon = 0.5 * ROUNDING * reach
+
+    def margin(x: Any, _u: Any) -> Any:
+        inside = [reach - _leg_distance(x, a, b, epsilon) for a, b in legs]
+        total = inside[0]
+        for other in inside[1:]:
+            total = _below_max(total, other, epsilon)
+        return total
+
+    sizes = {"points": tuple(tuple(map(float, c)) for c in corners), "radius": radius}
+    return PathConstraint(
+        name, margin, lower=0.0, unit="m", shape=Shape("tube", sizes, keep_in=True)
+    )
+
+
 def altitude_band(name: str, lowest: float, highest: float) -> PathConstraint:
     """Stay between two heights above ground (z = 0), metres up."""
     shape = Shape("band", {"lowest": lowest, "highest": highest}, keep_in=True)
@@ -189,6 +216,16 @@ def tilt_limit(name: str, steepest: float) -> PathConstraint:
         return ca.cos(x[6]) * ca.cos(x[7])
 
     return PathConstraint(name, uprightness, lower=least, unit="cos of tilt")
+
+
+def _leg_distance(x: Any, a: Any, b: Any, epsilon: float) -> Any:
+    """Distance to a point of the leg a–b near the nearest one, so at least the true distance."""
+    length = float(np.linalg.norm(b - a))
+    share = sum(float((b - a)[i]) * (x[i] - float(a[i])) for i in range(3)) / length**2
+    round_off = (epsilon / length) ** 2
+    t = 0.5 * (1 + ca.sqrt(share**2 + round_off) - ca.sqrt((share - 1) ** 2 + round_off))
+    off = sum((x[i] - float(a[i]) - t * float((b - a)[i])) ** 2 for i in range(3))
+    return ca.sqrt(off + (1e-2 * epsilon) ** 2)
 
 
 def _below_max(a: Any, b: Any, epsilon: float) -> Any:
