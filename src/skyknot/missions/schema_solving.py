@@ -1,0 +1,87 @@
+"""How the mission is made finite, solved, checked and written."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from skyknot.missions.section import Positive, Section, Triple
+
+SCHEME_NAMES = Literal["hermite-simpson", "trapezoid", "euler", "lobatto", "chebyshev"]
+SOLVER_NAMES = Literal["interior-point", "projected-gradient", "ddp", "ipopt"]
+
+
+class Scheme(Section):
+    """The transcription."""
+
+    name: SCHEME_NAMES = Field(default="hermite-simpson", description="the transcription scheme")
+    segments: Annotated[int, Field(ge=1, le=100_000)] = Field(
+        default=100, description="number of equal segments"
+    )
+    points: Annotated[int, Field(ge=2, le=30)] | None = Field(
+        default=None, description="points of a segment, for the schemes that let one choose"
+    )
+    controls: Literal["hold", "linear", "quadratic"] | None = Field(
+        default=None,
+        description="how the control runs inside a segment; the scheme's own by default",
+    )
+    form: Literal["separated", "compressed"] | None = Field(
+        default=None,
+        description="whether interior states are unknowns; the scheme's own by default",
+    )
+    enforce: Literal["points", "nodes"] = Field(
+        default="points",
+        description="where bounds and path constraints hold: every point or nodes only",
+    )
+    objective: Literal["integral", "sum"] = Field(
+        default="integral", description="the integral, or the plain sum over the nodes"
+    )
+
+
+class SolverChoice(Section):
+    """The solver."""
+
+    name: SOLVER_NAMES | None = Field(
+        default=None, description="the solver; skyknot's own by default"
+    )
+    tolerance: Annotated[float, Field(gt=0, lt=1)] = Field(
+        default=1e-6, description="on the optimality conditions, in the user's units"
+    )
+    max_iterations: Annotated[int, Field(ge=1)] | None = Field(
+        default=None,
+        description="stop after this many iterations; the solver's own limit by default",
+    )
+
+
+class Guess(Section):
+    """Where the search starts."""
+
+    kind: Literal["straight", "flat", "bow", "via"] = Field(
+        description="'straight': straight line at hover; 'flat': minimum-snap lift; 'bow': "
+        "straight line bent sideways; 'via': through points"
+    )
+    offset: float | None = Field(
+        default=None,
+        description="of a bow: greatest distance to the right of the line [m]; negative: left",
+    )
+    points: Annotated[list[Triple], Field(min_length=1)] | None = Field(
+        default=None, description="of 'via': points between start and goal, north, east, down [m]"
+    )
+
+
+class Verification(Section):
+    """Limits of the certificate that differ from the usual ones."""
+
+    limits: dict[str, Positive] = Field(
+        default={}, description="name of a check and its limit, in the check's own unit"
+    )
+
+
+class Outputs(Section):
+    """What a run writes besides the solution itself."""
+
+    trajectory_csv: bool = Field(default=True, description="a table of the nodes, trajectory.csv")
+    report: bool = Field(
+        default=True, description="the one-page report with its figures, report.html"
+    )
