@@ -3,9 +3,9 @@
 #include <nanobind/nanobind.h>
 
 #include "lanes.hpp"
-
-namespace nb = nanobind;
+#include "tape_binding.hpp"
 
 NB_MODULE(SKYKNOT_MODULE, module) {
     module.attr("vector_width") = skyknot::native_width;
+    skyknot::bind_tape(module);
 }
