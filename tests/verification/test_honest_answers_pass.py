@@ -1,5 +1,7 @@
 """A correct answer passes every check, whatever the scheme, and the values mean what they say."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from drone_on_rail import problem
@@ -7,6 +9,7 @@ from drone_on_rail import problem
 from skyknot.problem.constraints import PathConstraint
 from skyknot.problem.horizon import Free
 from skyknot.problem.problem import Problem
+from skyknot.problem.variables import State
 from skyknot.solve import solve
 from skyknot.transcription import Euler, HermiteSimpson, Trapezoid
 from skyknot.verification import certify
@@ -68,6 +71,14 @@ def test_a_free_horizon_and_a_free_parameter_pass_with_the_values_found():
     assert found["brake"] != pytest.approx(asked.parameter_values()["brake"], abs=0.01)
     assert certify(asked, solution.trajectory, found).checks["defects"].passed
     assert not certify(asked, solution.trajectory).checks["defects"].passed
+
+
+def test_a_small_scale_does_not_ask_for_more_than_the_tolerance_of_solvers():
+    """Tolerances are in the user's units: 5e-7 m is within 1e-6 m, however small the scale."""
+    fine = problem(states=[State("x", "m", scale=1e-4), State("v", "m/s", scale=1e-4)])
+    answer = solve(fine, HermiteSimpson(40)).trajectory
+    nudged = replace(answer, states=answer.states + [[5e-7, 0]] * (np.arange(41) == 7)[:, None])
+    assert certify(fine, nudged).checks["defects"].passed
 
 
 def test_only_what_the_problem_has_is_checked():

@@ -149,6 +149,11 @@ class Evidence:
         return np.where(np.isnan(given), sizes, given)
 
     @property
+    def unit_sizes(self) -> Array:
+        """(nx,) sizes that tolerances of solvers refer to: never below 1, the user's unit."""
+        return np.maximum(self.state_sizes, 1.0)
+
+    @property
     def state_units(self) -> tuple[str, ...]:
         """Units of the states."""
         return tuple(state.unit for state in self.problem.states)

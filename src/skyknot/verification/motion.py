@@ -29,7 +29,7 @@ def defects(evidence: Evidence, limits: Limits) -> Check:
         "Dynamics evaluated anew and integrated from each node to the interior states and to the"
         " next node, against the states there.",
         gaps.reshape(-1, states.shape[1]),
-        limits.feasibility * evidence.state_sizes,
+        limits.feasibility * evidence.unit_sizes,
         evidence.problem.state_names,
         evidence.state_units,
         (times[:-1, None] + h[:, 0] * tau).ravel(),
@@ -55,7 +55,7 @@ def interpolant(evidence: Evidence, limits: Limits) -> Check:
         "State rates stored inside the segments, times the segment's length, against the dynamics;"
         " controls at the nodes against the control polynomials.",
         excess,
-        limits.feasibility * np.concatenate([evidence.state_sizes, control_sizes]),
+        limits.feasibility * np.concatenate([evidence.unit_sizes, control_sizes]),
         (*p.state_names, *p.control_names),
         (*evidence.state_units, *evidence.control_units),
         np.concatenate([places.ravel(), times[:-1]]),
