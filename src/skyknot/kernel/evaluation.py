@@ -104,6 +104,8 @@ def rate_values(program: Program, z: Array) -> tuple[Array, Array, Array]:
     return values, rows.lower * span, rows.upper * span
 
 
+# A NaN of the model is a result with a status, told by the solver; it needs no warning here.
+@np.errstate(invalid="ignore", over="ignore")
 def gradient(
     program: Program, values: Evaluation, multipliers: Multipliers, with_defects: bool = True
 ) -> Array:
@@ -153,6 +155,7 @@ class Residuals:
         return max(self.stationarity, self.feasibility, self.complementarity)
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def residuals(
     program: Program, z: Array, multipliers: Multipliers, values: Evaluation
 ) -> Residuals:

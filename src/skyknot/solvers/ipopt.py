@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from skyknot.errors import UserError
 from skyknot.kernel.program import Multipliers, Program
 from skyknot.solvers.base import Callback, IterationRecord, SolverResult
 from skyknot.solvers.blame import worst_violation
@@ -27,6 +28,7 @@ _STATUS = {
     "Maximum_WallTime_Exceeded": Status.TIME_LIMIT,
     "Invalid_Number_Detected": Status.EVALUATION_ERROR,
     "User_Requested_Stop": Status.INTERRUPTED,
+    "NonIpopt_Exception_Thrown": Status.INTERRUPTED,  # CasADi tells Ctrl-C this way
 }
 
 
@@ -48,6 +50,16 @@ class Ipopt:
     expand: bool = False
     name: str = "ipopt"
 
+    def __post_init__(self) -> None:
+        if self.max_iterations < 0 or not self.max_seconds > 0:
+            raise UserError(
+                "Ipopt needs room to iterate.",
+                where="Ipopt.max_iterations, Ipopt.max_seconds",
+                found=f"{self.max_iterations} iterations, {self.max_seconds:g} s",
+                expected="0 or more iterations, and a positive time",
+                do="Leave them out for the defaults.",
+            )
+
     def solve(
         self,
         program: Program,
@@ -60,14 +72,36 @@ class Ipopt:
         watch = _Watch(nlp, callback, self.max_seconds)
         options = self._options(tolerance, watch)
         if multipliers is not None:
-            options |= {"ipopt.warm_start_init_point": "yes", "ipopt.mu_init": 1e-4}
-        solver = ca.nlpsol("ipopt", "ipopt", nlp.graph, options)
+            options |= _warm_start(tolerance)
+        solver = self._created(nlp, options)
         start = {"x0": program.start[nlp.kept]}
         if multipliers is not None:
             start["lam_x0"] = multipliers.bounds[nlp.kept]
+            start["lam_g0"] = nlp.lowered(multipliers)
         answer = solver(lbx=nlp.lower, ubx=nlp.upper, lbg=nlp.g_lower, ubg=nlp.g_upper, **start)
         stats = solver.stats()
+        if watch.error is not None:
+            raise watch.error
+        if stats["return_status"] == "Invalid_Option":
+            raise self._refused("it is not installed")
         return self._result(program, nlp, answer, stats, watch)
+
+    def _created(self, nlp: NonlinearProgram, options: dict[str, Any]) -> ca.Function:
+        try:
+            return ca.nlpsol("ipopt", "ipopt", nlp.graph, options)
+        except RuntimeError as error:
+            if "Invalid options" not in str(error):
+                raise
+            raise self._refused("Ipopt does not know it") from error
+
+    def _refused(self, reason: str) -> UserError:
+        return UserError(
+            "Ipopt cannot use this linear solver.",
+            where="Ipopt.linear_solver",
+            found=f"'{self.linear_solver}': {reason}",
+            expected="'mumps', which comes with CasADi, or an installed one such as 'ma57'",
+            do="Leave linear_solver out.",
+        )
 
     def _options(self, tolerance: float, watch: _Watch) -> dict[str, Any]:
         return {
@@ -114,6 +148,13 @@ class Ipopt:
         )
 
 
+def _warm_start(tolerance: float) -> dict[str, Any]:
+    """Return the options that keep Ipopt near the start it is given."""
+    pushes = ("bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac", "mult_bound_push")
+    near = {f"ipopt.warm_start_{name}": 0.1 * tolerance for name in pushes}
+    return {"ipopt.warm_start_init_point": "yes", "ipopt.mu_init": 10 * tolerance, **near}
+
+
 class _Watch(ca.Callback):
     """Sees every iterate: reports it, and stops Ipopt on request."""
 
@@ -122,6 +163,7 @@ class _Watch(ca.Callback):
         self.nlp, self.report = nlp, report
         self.deadline = time.monotonic() + max_seconds
         self.out_of_time, self.count = False, 0
+        self.error: Exception | None = None
         self.n, self.m = nlp.graph["x"].numel(), nlp.graph["g"].numel()
         self.construct("watch", {})
 
@@ -146,9 +188,20 @@ class _Watch(ca.Callback):
             record = IterationRecord(
                 self.count, float(named["f"]), float(max(violation.max(initial=0), 0)), np.nan
             )
-            stop = bool(self.report(record)) or stop
+            stop = self._reported(record) or stop
         self.count += 1
         return [int(stop)]
+
+    def _reported(self, record: IterationRecord) -> bool:
+        """Report, and keep what the report raises: an exception must not cross Ipopt."""
+        assert self.report is not None
+        try:
+            return bool(self.report(record))
+        except KeyboardInterrupt:
+            return True
+        except Exception as error:  # noqa: BLE001  (kept, and raised again after Ipopt has stopped)
+            self.error = error
+            return True
 
 
 def _history(stats: dict[str, Any]) -> tuple[IterationRecord, ...]:

@@ -63,6 +63,16 @@ class NonlinearProgram:
         m.bounds[fixed] = -gradient(program, values, m)[fixed]
         return z, m
 
+    def lowered(self, m: Multipliers) -> Array:
+        """Return the graph's constraint multipliers for those of the separated program."""
+        rows = [-1] if self.program.compressed else slice(None)
+        above, below = self.rate_rows
+        rates = [m.rates[above]]
+        if len(below):
+            rates = [np.maximum(m.rates[above], 0), np.minimum(m.rates[below], 0)]
+        parts = [m.defects[:, rows].ravel(), m.path.ravel()[self.path_rows]]
+        return np.concatenate([*parts, m.bounds[self.interior_bound_rows], *rates])
+
 
 def nonlinear_program(program: Program) -> NonlinearProgram:
     """Return the program as one CasADi graph."""

@@ -1,0 +1,180 @@
+"""Claim: the Ipopt room keeps the numbered duties of ``solvers/base.py``."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+
+import skyknot as sk
+from agreement.variants import PROBLEMS, SCHEMES, program_of, random_point
+from references import problems
+from skyknot.kernel.evaluation import evaluate, residuals
+from skyknot.solvers.nonlinear_program import nonlinear_program
+
+CART_POLE = problems.cart_pole().problem
+MESH = sk.HermiteSimpson(20)
+
+
+def test_the_iteration_limit_returns_the_iterate_with_advice():
+    solution = sk.solve(CART_POLE, MESH, sk.Ipopt(max_iterations=3))
+    assert solution.status == "iteration limit"
+    assert not solution.success
+    assert solution.iterations == 3
+    assert "Raise the iteration limit" in solution.message
+    assert "The largest violation is" in solution.message
+
+
+def test_the_time_limit_has_its_own_status():
+    solution = sk.solve(CART_POLE, MESH, sk.Ipopt(max_seconds=1e-6))
+    assert solution.status == "time limit"
+    assert "Raise the time limit" in solution.message
+
+
+def test_the_callback_sees_every_iteration_in_order():
+    seen = []
+    solution = sk.solve(CART_POLE, MESH, callback=seen.append)
+    assert [record.iteration for record in seen] == list(range(solution.iterations + 1))
+    assert seen[-1].objective == pytest.approx(solution.objective, rel=1e-9)
+    assert seen[-1].primal_infeasibility < 1e-6 < seen[0].primal_infeasibility
+
+
+def test_a_callback_returning_true_stops_the_solve():
+    solution = sk.solve(CART_POLE, MESH, callback=lambda record: record.iteration == 4)
+    assert solution.status == "interrupted"
+    assert solution.iterations == 4
+    assert "Solve again with this solution as the guess" in solution.message
+
+
+def test_ctrl_c_in_a_callback_is_an_interruption():
+    def press(record):
+        raise KeyboardInterrupt
+
+    assert sk.solve(CART_POLE, MESH, callback=press).status == "interrupted"
+
+
+def test_an_error_of_the_callback_reaches_its_author():
+    def broken(record):
+        raise LookupError("no such gauge")
+
+    with pytest.raises(LookupError, match="no such gauge"):
+        sk.solve(CART_POLE, MESH, callback=broken)
+
+
+def test_ctrl_c_during_the_solve_returns_an_interrupted_solution():
+    script = """
+        import os, signal, skyknot as sk
+        # unbounded below: never ends by itself
+        problem = sk.Problem("fall", ["x"], ["u"], lambda x, u: [u[0]], 1.0, [0.0],
+                             running_cost=lambda x, u: u[0])
+        count = 0
+        def press(record):
+            global count
+            count += 1
+            if count == 5:
+                os.kill(os.getpid(), signal.SIGINT)
+        solution = sk.solve(problem, sk.HermiteSimpson(5), sk.Ipopt(max_iterations=5000),
+                            callback=press)
+        print(solution.status)
+    """
+    finished = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(script)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=dict(os.environ),
+    )
+    assert finished.stdout.strip() == "interrupted", finished.stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"), [("nonsense", "does not know"), ("ma57", "not installed")]
+)
+def test_a_linear_solver_that_is_not_there_is_a_user_error(name, reason):
+    with pytest.raises(sk.UserError, match="cannot use this linear solver") as caught:
+        sk.solve(CART_POLE, MESH, sk.Ipopt(linear_solver=name))
+    assert name in caught.value.found
+    assert reason in caught.value.found
+
+
+@pytest.mark.parametrize("settings", [{"max_iterations": -1}, {"max_seconds": 0.0}])
+def test_settings_without_room_to_iterate_are_refused(settings):
+    with pytest.raises(sk.UserError, match="needs room to iterate"):
+        sk.Ipopt(**settings)
+
+
+def test_the_graph_written_out_gives_the_same_answer():
+    mapped = sk.solve(CART_POLE, MESH, sk.Ipopt(), tolerance=1e-10)
+    expanded = sk.solve(CART_POLE, MESH, sk.Ipopt(expand=True), tolerance=1e-10)
+    assert expanded.objective == pytest.approx(mapped.objective, rel=1e-12)
+
+
+def test_work_is_counted():
+    solution = sk.solve(CART_POLE, MESH)
+    assert solution.record.work["hessian"] == solution.iterations
+    assert solution.record.work["gradient"] == solution.iterations + 1
+    assert len(solution.history) == solution.iterations + 1
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_multipliers_go_down_to_the_graph_and_come_back(problem, scheme):
+    program = program_of(PROBLEMS[problem], SCHEMES[scheme])
+    z, m = random_point(program, seed=8)
+    m.rates[(m.rates > 0) & ~np.isfinite(program.rates.upper)] = 0.0
+    m.rates[(m.rates < 0) & ~np.isfinite(program.rates.lower)] = 0.0
+    nlp = nonlinear_program(program)
+    back = nlp.lifted(z[nlp.kept], m.bounds[nlp.kept], nlp.lowered(m))[1]
+    np.testing.assert_allclose(back.defects[:, -1], m.defects[:, -1])
+    np.testing.assert_allclose(back.path, m.path)
+    np.testing.assert_allclose(back.rates, m.rates)
+    free = program.lower < program.upper
+    kept = np.zeros_like(free)
+    kept[nlp.kept] = True
+    np.testing.assert_allclose(back.bounds[free & kept], m.bounds[free & kept])
+
+
+@pytest.mark.parametrize("form", ["separated", "compressed"])
+@pytest.mark.parametrize(
+    "reference",
+    [
+        problems.cart_pole,
+        problems.bryson_denham,
+        problems.minimum_time,
+        problems.quadrotor_transfer,
+    ],
+)
+def test_a_solution_as_the_guess_needs_at_most_two_iterations(reference, form):
+    problem, mesh = reference().problem, sk.HermiteSimpson(20, form=form)
+    first = sk.solve(problem, mesh, guess=reference().guess)
+    again = sk.solve(problem, mesh, guess=first)
+    assert again.success
+    assert again.iterations <= 2 < first.iterations
+    assert again.objective == pytest.approx(first.objective, rel=1e-5)
+
+
+def test_a_solution_on_another_mesh_is_a_guess_without_multipliers():
+    coarse = sk.solve(CART_POLE, MESH)
+    fine = sk.solve(CART_POLE, sk.HermiteSimpson(40), guess=coarse)
+    assert fine.success
+    assert fine.iterations < coarse.iterations
+
+
+def test_fixed_variables_get_the_multipliers_that_make_the_gradient_vanish():
+    solution = sk.solve(CART_POLE, MESH, tolerance=1e-9)
+    program = MESH.program(CART_POLE, solution.trajectory)
+    _, m = program_at(solution, program)
+    found = residuals(program, solution.decision, m, evaluate(program, solution.decision))
+    assert found.stationarity < 1e-7
+    fixed = program.lower == program.upper
+    assert np.count_nonzero(m.bounds[fixed]) == 8
+
+
+def program_at(solution, program):
+    from skyknot.kernel.program import Multipliers
+
+    return program, Multipliers(**solution.multipliers)
