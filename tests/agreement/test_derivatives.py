@@ -1,4 +1,4 @@
-"""Claim: values and first derivatives of a program are those of CasADi's graph and of complex steps.
+"""Claim: a program's values and slopes are those of CasADi's graph and of complex steps.
 
 The gradient of the Lagrangian is assembled from point-wise Jacobians; here it meets CasADi's
 automatic differentiation of the whole graph, and the defects' Jacobian the complex step

@@ -11,6 +11,8 @@ import pytest
 
 import skyknot as sk
 from agreement.variants import PROBLEMS, SCHEMES
+from skyknot.kernel.evaluation import evaluate, residuals
+from skyknot.kernel.program import Multipliers
 
 TOLERANCE = 1e-9
 
@@ -36,9 +38,6 @@ def test_signs_of_multipliers_tell_the_side_of_the_bound(problem):
 
 
 def test_a_wrong_multiplier_shows_in_the_residual():
-    from skyknot.kernel.evaluation import evaluate, residuals
-    from skyknot.kernel.program import Multipliers
-
     problem, scheme = PROBLEMS["everything"], SCHEMES["hermite-simpson"]
     solution = sk.solve(problem, scheme, tolerance=TOLERANCE)
     program = scheme.program(problem, solution.trajectory)

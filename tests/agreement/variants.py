@@ -1,4 +1,4 @@
-"""Small problems that together use every feature of a program, and the schemes to pose them with."""
+"""Small problems that together use every feature of a program, and schemes to pose them with."""
 
 from __future__ import annotations
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import skyknot as sk
+from skyknot.solvers.blame import worst_violation
 
 
 def mover(**extras):
@@ -80,8 +81,6 @@ def test_an_infeasible_problem_says_so_and_names_the_worst(words):
 
 
 def test_a_rate_bound_can_be_the_one_named():
-    from skyknot.solvers.blame import worst_violation
-
     problem = mover(rates=[0.5])
     scheme = sk.HermiteSimpson(4)
     program = scheme.program(problem, sk.initial_guess(problem)[0])
