@@ -68,7 +68,8 @@ def main() -> None:
     construction = time.perf_counter() - start
     print(
         f"{function.n_instructions()} CasADi instructions, {len(compiled.instruction_names())} on "
-        f"the tape, {compiled.slots} slots, built in {1e3 * construction:.1f} ms"
+        f"the tape in {compiled.runs} runs, {compiled.slots} slots, "
+        f"built in {1e3 * construction:.1f} ms"
     )
     print(f"{'casadi map':>20} {reference:8.1f} us")
     for level in isa.supported():

@@ -230,6 +230,12 @@ def test_products_join_sums_and_sines_join_cosines():
     assert sorted(names) == ["div", "mul_add", "sin_cos", "sub_mul"]
 
 
+def test_instructions_stand_in_runs_of_one_operation():
+    """An interpreter pays at every jump, so there must be few."""
+    compiled = Tape(quadrotor_derivatives()).native
+    assert compiled.runs < len(compiled.instruction_names()) / 5
+
+
 def test_a_joined_product_is_rounded_before_the_sum():
     x = ca.SX.sym("x", 2)
     function = ca.Function("cancel", [x], [x[0] * x[0] - x[1]])

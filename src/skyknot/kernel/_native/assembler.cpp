@@ -149,15 +149,80 @@ void pair_sines_with_cosines(Graph& graph) {
     }
 }
 
-// Gives every value its slot, in the order of the list, and takes slots back after the last use.
+bool needs_instruction(const Value& value) {
+    return value.uses > 0 && !value.paired && value.operation != Operation::input &&
+           value.operation != Operation::constant;
+}
+
+// Orders the values that need an instruction in long runs of one operation.
+class Scheduler {
+public:
+    explicit Scheduler(const Graph& graph)
+        : graph_(graph), users_(graph.values.size()), missing_(graph.values.size(), 0) {
+        for (std::uint32_t i = 0; i < graph.values.size(); ++i) {
+            if (!needs_instruction(graph.values[i])) continue;
+            for (std::uint32_t operand : graph.values[i].operand)
+                if (operand != nothing && is_computed(operand)) {
+                    users_[operand].push_back(i);
+                    ++missing_[i];
+                }
+            if (missing_[i] == 0) ready(i);
+        }
+    }
+
+    std::vector<std::uint32_t> order() {
+        std::vector<std::uint32_t> order;
+        for (auto* list = longest(); !list->empty(); list = longest())
+            while (!list->empty()) {
+                const std::uint32_t next = list->back();
+                list->pop_back();
+                order.push_back(next);
+                finish(next);
+            }
+        return order;
+    }
+
+private:
+    bool is_computed(std::uint32_t i) const {
+        return graph_.values[i].paired || needs_instruction(graph_.values[i]);
+    }
+    std::vector<std::uint32_t>* longest() {
+        return &*std::max_element(
+            std::begin(ready_), std::end(ready_),
+            [](const auto& a, const auto& b) { return a.size() < b.size(); });
+    }
+    void ready(std::uint32_t i) {
+        ready_[static_cast<std::uint32_t>(graph_.values[i].operation)].push_back(i);
+    }
+    void finish(std::uint32_t i) {
+        const Value& value = graph_.values[i];
+        if (value.operation != Operation::sin_cos) return release_users(i);
+        release_users(value.sine);
+        release_users(value.cosine);
+    }
+    void release_users(std::uint32_t i) {
+        for (std::uint32_t user : users_[i])
+            if (--missing_[user] == 0) ready(user);
+    }
+
+    const Graph& graph_;
+    std::vector<std::vector<std::uint32_t>> users_;
+    std::vector<std::uint32_t> missing_;
+    std::vector<std::uint32_t> ready_[operation_count];
+};
+
+// Gives every value its slot, in the order of the instructions, and takes slots back after the
+// last use.
 class Emitter {
 public:
-    explicit Emitter(const Graph& graph)
-        : graph_(graph), slot_(graph.values.size(), nothing), last_use_(graph.values.size(), 0) {
-        for (std::uint32_t i = 0; i < graph.values.size(); ++i)
-            if (needs_instruction(i))
-                for (std::uint32_t operand : graph.values[i].operand)
-                    if (operand != nothing) last_use_[operand] = i;
+    Emitter(const Graph& graph, std::vector<std::uint32_t> order)
+        : graph_(graph),
+          order_(std::move(order)),
+          slot_(graph.values.size(), nothing),
+          last_use_(graph.values.size(), 0) {
+        for (std::uint32_t place = 0; place < order_.size(); ++place)
+            for (std::uint32_t operand : graph.values[order_[place]].operand)
+                if (operand != nothing) last_use_[operand] = place;
         for (std::uint32_t output : graph.outputs) last_use_[output] = nothing;
     }
 
@@ -169,18 +234,12 @@ public:
                 program_.constants.push_back(graph_.values[i].constant);
                 keep(i);
             }
-        for (std::uint32_t i = 0; i < graph_.values.size(); ++i)
-            if (needs_instruction(i)) emit_value(i);
+        for (std::uint32_t place = 0; place < order_.size(); ++place) emit_value(place);
         for (std::uint32_t output : graph_.outputs) program_.output_slots.push_back(slot_[output]);
         return std::move(program_);
     }
 
 private:
-    bool needs_instruction(std::uint32_t i) const {
-        const Value& value = graph_.values[i];
-        return value.uses > 0 && !value.paired && value.operation != Operation::input &&
-               value.operation != Operation::constant;
-    }
     // Inputs and constants outlive the run, so that it can be repeated.
     void keep(std::uint32_t i) {
         slot_[i] = program_.slots++;
@@ -193,26 +252,28 @@ private:
         return slot_[i];
     }
 
-    void emit_value(std::uint32_t i) {
-        const Value& value = graph_.values[i];
+    void emit_value(std::uint32_t place) {
+        const Value& value = graph_.values[order_[place]];
         std::uint32_t operand[3] = {0, 0, 0};
         for (int k = 0; k < 3; ++k)
             if (value.operand[k] != nothing) operand[k] = slot_[value.operand[k]];
         // An instruction reads all lanes of its operands before it writes, so they are free now.
         for (std::uint32_t used : value.operand)
-            if (used != nothing && last_use_[used] == i) {
+            if (used != nothing && last_use_[used] == place) {
                 free_.push_back(slot_[used]);
                 last_use_[used] = nothing;
             }
         const bool pair = value.operation == Operation::sin_cos;
-        const std::uint32_t result = slot_for(pair ? value.sine : i);
+        const std::uint32_t result = slot_for(pair ? value.sine : order_[place]);
         if (pair) operand[2] = slot_for(value.cosine);
-        program_.instructions.push_back(
-            {value.operation, result, operand[0], operand[1], operand[2]});
+        program_.instructions.push_back({result, operand[0], operand[1], operand[2]});
+        if (program_.runs.empty() || program_.runs.back().operation != value.operation)
+            program_.runs.push_back({value.operation, 0});
+        ++program_.runs.back().length;
     }
 
     const Graph& graph_;
-    std::vector<std::uint32_t> slot_, last_use_, free_;
+    std::vector<std::uint32_t> order_, slot_, last_use_, free_;
     Program program_;
 };
 
@@ -226,7 +287,7 @@ Program assemble(const std::vector<Recorded>& recorded, std::uint32_t inputs,
     count_uses(graph);
     join_products_with_sums(graph);
     pair_sines_with_cosines(graph);
-    return Emitter(graph).emit(inputs);
+    return Emitter(graph, Scheduler(graph).order()).emit(inputs);
 }
 
 }  // namespace skyknot::inline SKYKNOT_ISA

@@ -2,7 +2,9 @@
 //
 // Slots hold one scalar for all lanes: first the inputs, then the constants, then registers. Copies
 // vanish (an output names the slot it is found in), dead values go, products join the sum that
-// alone uses them, sine and cosine of one angle become one instruction.
+// alone uses them, sine and cosine of one angle become one instruction. What is left is ordered in
+// runs of one operation: a processor guesses wrongly where an interpreter jumps, so it should jump
+// once for many instructions.
 #pragma once
 
 #include <cstdint>
@@ -20,17 +22,23 @@ struct Recorded {
     double constant;
 };
 
-// c = third operand, except for sin_cos, whose second result it is.
+// Slots. c = third operand, except for sin_cos, whose second result it is.
 struct Instruction {
-    Operation operation;
     std::uint32_t result, a, b, c;
+};
+
+// So many consecutive instructions of one operation.
+struct Run {
+    Operation operation;
+    std::uint32_t length;
 };
 
 struct Program {
     std::uint32_t inputs = 0;
     std::uint32_t slots = 0;
-    std::vector<double> constants;             // slots inputs, inputs + 1, …
-    std::vector<std::uint32_t> output_slots;   // where each output is found after a run
+    std::vector<double> constants;            // in slots inputs, inputs + 1, …
+    std::vector<std::uint32_t> output_slots;  // where each output is found after a run
+    std::vector<Run> runs;
     std::vector<Instruction> instructions;
 };
 

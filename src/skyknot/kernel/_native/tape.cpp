@@ -41,22 +41,22 @@ void Tape::prepare(double* workspace) const {
     }
 }
 
-#define SKYKNOT_CASE(name, value)                        \
-    case Operation::name:                                \
-        (value).store(w + std::size_t{step.result} * L); \
+#define SKYKNOT_CASE(name, value)                                    \
+    case Operation::name:                                            \
+        for (; step != end; ++step) (value).store(at(step->result)); \
         break;
 
 template <int L>
 void Tape::run(double* w) const {
-    const auto at = [w](std::uint32_t slot) SKYKNOT_LAMBDA {
-        return Lanes<L>::load(w + std::size_t{slot} * L);
-    };
+    const auto at = [w](std::uint32_t slot) SKYKNOT_LAMBDA { return w + std::size_t{slot} * L; };
     const Lanes<L> zero = Lanes<L>::all(0.0);
-    for (const Instruction& step : program_.instructions) {
-        const auto a = [&]() SKYKNOT_LAMBDA { return at(step.a); };
-        const auto b = [&]() SKYKNOT_LAMBDA { return at(step.b); };
-        const auto c = [&]() SKYKNOT_LAMBDA { return at(step.c); };
-        switch (step.operation) {
+    const Instruction* step = program_.instructions.data();
+    const auto a = [&]() SKYKNOT_LAMBDA { return Lanes<L>::load(at(step->a)); };
+    const auto b = [&]() SKYKNOT_LAMBDA { return Lanes<L>::load(at(step->b)); };
+    const auto c = [&]() SKYKNOT_LAMBDA { return Lanes<L>::load(at(step->c)); };
+    for (const Run& run : program_.runs) {
+        const Instruction* const end = step + run.length;
+        switch (run.operation) {
             SKYKNOT_CASE(add, a() + b())
             SKYKNOT_CASE(sub, a() - b())
             SKYKNOT_CASE(mul, a() * b())
@@ -90,15 +90,16 @@ void Tape::run(double* w) const {
             SKYKNOT_CASE(exp, exponential(a()))
             SKYKNOT_CASE(log, logarithm(a()))
             SKYKNOT_CASE(tanh, hyperbolic_tangent(a()))
-            case Operation::sin_cos: {
-                const SineCosine<L> pair = sine_cosine(a());
-                pair.sine.store(w + std::size_t{step.result} * L);
-                pair.cosine.store(w + std::size_t{step.c} * L);
+            case Operation::sin_cos:
+                for (; step != end; ++step) {
+                    const SineCosine<L> pair = sine_cosine(a());
+                    pair.sine.store(at(step->result));
+                    pair.cosine.store(at(step->c));
+                }
                 break;
-            }
             default:
-                library_lanes<L>(step.operation, w + std::size_t{step.a} * L,
-                                 w + std::size_t{step.b} * L, w + std::size_t{step.result} * L);
+                for (; step != end; ++step)
+                    library_lanes<L>(run.operation, at(step->a), at(step->b), at(step->result));
         }
     }
 }

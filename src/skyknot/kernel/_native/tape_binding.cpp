@@ -76,7 +76,7 @@ void points_binding(const Tape& tape, Array<const double, 2> inputs, Array<doubl
     check(inputs.shape(1) == tape.inputs() && outputs.shape(1) == tape.outputs() &&
           inputs.shape(0) == outputs.shape(0));
     const nb::gil_scoped_release released;
-    evaluate_points<8>(tape, inputs.data(), outputs.data(), inputs.shape(0));
+    evaluate_points<16>(tape, inputs.data(), outputs.data(), inputs.shape(0));
 }
 
 void blocks_binding(const Tape& tape, Array<const double, 3> inputs, Array<double, 3> outputs) {
@@ -97,8 +97,9 @@ nb::dict operation_codes() {
 
 std::vector<std::string> instruction_names(const Tape& tape) {
     std::vector<std::string> names;
-    for (const Instruction& step : tape.program().instructions)
-        names.emplace_back(operation_facts[static_cast<std::uint32_t>(step.operation)].name);
+    for (const Run& run : tape.program().runs)
+        names.insert(names.end(), run.length,
+                     std::string(operation_facts[static_cast<std::uint32_t>(run.operation)].name));
     return names;
 }
 
@@ -112,6 +113,7 @@ void bind_tape(nb::module_& module) {
         .def_prop_ro("inputs", &Tape::inputs)
         .def_prop_ro("outputs", &Tape::outputs)
         .def_prop_ro("slots", &Tape::slots)
+        .def_prop_ro("runs", [](const Tape& tape) { return tape.program().runs.size(); })
         .def("instruction_names", &instruction_names,
              "Return the operation of every instruction left after assembly.")
         .def("evaluate_points", &points_binding, nb::arg("inputs"), nb::arg("outputs"),
