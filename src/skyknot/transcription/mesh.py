@@ -50,5 +50,7 @@ def checked(nodes: ArrayLike) -> Array:
 
 def with_nodes_at(nodes: Array, places: Sequence[float]) -> Array:
     """Return the mesh with a node at each place; a place that is a node already adds none."""
-    missing = [place for place in places if np.min(np.abs(nodes - place)) > 1e-12]
-    return np.union1d(nodes, missing)
+    for place in places:
+        if np.min(np.abs(nodes - place)) > 1e-12:
+            nodes = np.sort(np.append(nodes, place))
+    return nodes
