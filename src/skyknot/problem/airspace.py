@@ -47,7 +47,7 @@ def cylinder(name: str, center: Vector, radius: float, *, clearance: float = 0.0
     ----------
     center : (2,) x, y [m]; radius, clearance : m
     """
-    reach = _positive(name, "radius", radius) + clearance
+    reach = _positive(name, "radius", radius) + _clearance(name, clearance)
     cx, cy = _numbers(name, "center", center, 2)
 
     def margin(x: Any, _u: Any) -> Any:
@@ -59,7 +59,7 @@ def cylinder(name: str, center: Vector, radius: float, *, clearance: float = 0.0
 
 def sphere(name: str, center: Vector, radius: float, *, clearance: float = 0.0) -> PathConstraint:
     """Keep out of a sphere: center (3,) x, y, z [m], radius and clearance in metres."""
-    reach = _positive(name, "radius", radius) + clearance
+    reach = _positive(name, "radius", radius) + _clearance(name, clearance)
     c = _numbers(name, "center", center, 3)
 
     def margin(x: Any, _u: Any) -> Any:
@@ -75,18 +75,22 @@ def ellipsoid(
     """Keep out of an axis-parallel ellipsoid.
 
     The margin is the smallest semi-axis times how far the scaled position lies outside the unit
-    sphere, a lower bound of the distance.
+    sphere, a lower bound of the distance. A clearance is kept by the ellipsoid of least trace
+    around the sum of ellipsoid and ball: adding it to the semi-axes would not keep it.
 
     Parameters
     ----------
     center, semi_axes : (3,) m
-    clearance : added to every semi-axis, m
+    clearance : distance to keep, m
+
+    References
+    ----------
+    A. Kurzhanski and I. Vályi, Ellipsoidal Calculus, 1997, section 2.1.
     """
     c = _numbers(name, "center", center, 3)
-    axes = [
-        _positive(name, "semi_axes", a) + clearance
-        for a in _numbers(name, "semi_axes", semi_axes, 3)
-    ]
+    own = [_positive(name, "semi_axes", a) for a in _numbers(name, "semi_axes", semi_axes, 3)]
+    gap, mean = _clearance(name, clearance), float(np.sqrt(np.mean(np.square(own))))
+    axes = [float(np.sqrt(a**2 * (1 + gap / mean) + gap * (gap + mean))) for a in own]
     smallest = min(axes)
 
     def margin(x: Any, _u: Any) -> Any:
@@ -119,14 +123,14 @@ def box(
     """
     c = _numbers(name, "center", center, 3)
     half = [0.5 * _positive(name, "size", s) for s in _numbers(name, "size", size, 3)]
-    epsilon = ROUNDING * min(half)
+    epsilon, gap = ROUNDING * min(half), _clearance(name, clearance)
     cosine, sine = float(np.cos(yaw)), float(np.sin(yaw))
 
     def margin(x: Any, _u: Any) -> Any:
         dx, dy, dz = x[0] - c[0], x[1] - c[1], x[2] - c[2]
         along, across = cosine * dx + sine * dy, -sine * dx + cosine * dy
         faces = [_below_abs(d, epsilon) - h for d, h in zip((along, across, dz), half, strict=True)]
-        return _below_max(_below_max(faces[0], faces[1], epsilon), faces[2], epsilon) - clearance
+        return _below_max(_below_max(faces[0], faces[1], epsilon), faces[2], epsilon) - gap
 
     sizes = {"center": c, "size": tuple(size), "yaw": yaw, "clearance": clearance}
     return PathConstraint(name, margin, lower=0.0, unit="m", shape=Shape("box", sizes))
@@ -244,8 +248,20 @@ def _distance(offsets: list[Any], reach: float) -> Any:
     return ca.sqrt(sum(offset**2 for offset in offsets) + tiny) - float(np.sqrt(reach**2 + tiny))
 
 
+def _clearance(name: str, value: float) -> float:
+    if not 0 <= value < np.inf:
+        raise UserError(
+            f"'{name}' has a clearance that cannot be kept.",
+            where=f"{name}.clearance",
+            found=value,
+            expected="zero or a positive distance [m]",
+            do="Leave the clearance out, or give the distance to keep.",
+        )
+    return float(value)
+
+
 def _positive(name: str, field: str, value: float) -> float:
-    if not value > 0:
+    if not 0 < value < np.inf:
         raise UserError(
             f"'{name}' has no size.",
             where=f"{name}.{field}",
