@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from skyknot.errors import UserError
 from skyknot.models.flatness import lift
+from skyknot.models.quadrotor import CONTROL_NAMES
 from skyknot.problem.problem import Problem
 from skyknot.trajectory import Trajectory
 
@@ -17,7 +18,7 @@ Array = NDArray[np.float64]
 
 NODES = 41
 # Rest-to-rest minimum-snap polynomial 35 s⁴ − 84 s⁵ + 70 s⁶ − 20 s⁷: three derivatives vanish at
-# both ends, so the lifted torques start and end at rest (Mellinger & Kumar 2011).
+# both ends, so the lifted attitude and body rates start and end at rest (Mellinger & Kumar 2011).
 REST_TO_REST = np.polynomial.Polynomial([0, 0, 0, 0, 35, -84, 70, -20])
 
 
@@ -63,10 +64,10 @@ def ends(problem: Problem) -> tuple[Array, Array]:
 def resting_control(problem: Problem) -> Array:
     """Return the vehicle's hover control where it fits, else the allowed value nearest zero."""
     hover = getattr(problem.vehicle, "hover", None)
-    rest = np.zeros(problem.nu) if hover is None else np.asarray(hover, dtype=float)
-    if rest.shape != (problem.nu,):
-        thrusts = problem.vehicle.rotor_thrusts(rest)
-        rest = thrusts if thrusts.shape == (problem.nu,) else np.zeros(problem.nu)
+    rest = np.zeros(problem.nu)
+    if hover is not None:
+        fitting = np.asarray(hover if _by_wrench(problem) else problem.vehicle.rotor_thrusts(hover))
+        rest = fitting if fitting.shape == rest.shape else rest
     clipped: Array = np.clip(rest, problem.control_lower, problem.control_upper)
     return clipped
 
@@ -103,7 +104,7 @@ def flat_lift(problem: Problem) -> Trajectory | None:
         )
     except UserError:  # too steep for the vehicle: the next rung of the ladder serves
         return None
-    if problem.control_names != ("T", "tau_x", "tau_y", "tau_z"):
+    if not _by_wrench(problem):
         controls = problem.vehicle.rotor_thrusts(controls)
     if controls.shape[1] != problem.nu or not np.all(np.isfinite(states)):
         return None
@@ -114,6 +115,11 @@ def flat_lift(problem: Problem) -> Trajectory | None:
         state_names=problem.state_names,
         control_names=problem.control_names,
     )
+
+
+def _by_wrench(problem: Problem) -> bool:
+    """Whether the controls are thrust and torques, not the thrust of each rotor."""
+    return problem.control_names == CONTROL_NAMES
 
 
 def _known(lower: Array, upper: Array) -> Array:
