@@ -111,16 +111,29 @@ def resolve_transcription(choice: Transcription | Mapping[str, Any] | str) -> Tr
     """Return the transcription that a name, a mapping or an object stands for."""
     if isinstance(choice, Transcription):
         return choice
+    if not isinstance(choice, str | Mapping):
+        raise _wrong_type("transcription", choice, "HermiteSimpson(segments=100)")
     settings = {"scheme": choice} if isinstance(choice, str) else dict(choice)
     name = settings.pop("scheme", "hermite-simpson")
     if name not in DOORS:
         raise _unknown("scheme", name, DOORS)
-    return DOORS[name](**settings)
+    try:
+        return DOORS[name](**settings)
+    except TypeError as error:
+        raise UserError(
+            "The transcription has a setting that its scheme does not know.",
+            where="transcription",
+            found=str(error),
+            expected="segments, mesh, controls, form, enforce or objective",
+            do="Check the spelling, or leave the setting out.",
+        ) from error
 
 
 def resolve_solver(choice: Solver | str) -> Solver:
     """Return the solver that a name or an object stands for."""
     if not isinstance(choice, str):
+        if not callable(getattr(choice, "solve", None)):
+            raise _wrong_type("solver", choice, "Ipopt(max_iterations=50)")
         return choice
     if choice not in SOLVERS:
         raise _unknown("solver", choice, SOLVERS)
@@ -137,6 +150,16 @@ def _unknown(kind: str, name: object, known: Mapping[str, Any]) -> UserError:
     )
 
 
+def _wrong_type(field: str, found: object, example: str) -> UserError:
+    return UserError(
+        f"The {field} has the wrong type.",
+        where=field,
+        found=type(found).__name__,
+        expected=f"a name, or an object such as {example}",
+        do="Leave it out for the default.",
+    )
+
+
 def _check_arguments(problem: Problem, guess: object, tolerance: float) -> None:
     if not isinstance(problem, Problem):
         raise UserError(
@@ -146,7 +169,7 @@ def _check_arguments(problem: Problem, guess: object, tolerance: float) -> None:
             expected="a skyknot Problem",
             do="Build one with sk.Problem(...), or load a mission and pass mission.problem.",
         )
-    if not (np.isfinite(tolerance) and tolerance > 0):
+    if not isinstance(tolerance, int | float) or not 0 < tolerance < np.inf:
         raise UserError(
             "The tolerance must be positive.",
             where="tolerance",

@@ -83,7 +83,7 @@ class Problem:
         self.initial_lower, self.initial_upper = self._ends(initial, "initial")
         self.final_lower, self.final_upper = self._ends(final, "final")
         self.path, self.points = tuple(path), tuple(points)
-        self.rate_lower, self.rate_upper = _rate_bounds(rates, self.nu)
+        self.rate_lower, self.rate_upper = _rate_bounds(rates, self.controls)
         self.parameters = dict(parameters or {})
         self.target = None if target is None else filled(target, self.nx, np.nan, "target")
         self.vehicle, self.frame = vehicle, frame
@@ -262,7 +262,10 @@ def _scalar_call(function: Callable[..., Any], x: Any, u: Any, p: Any, t: Any) -
 
 def _tried(evaluate: Callable[[], Any], field: str) -> Any:
     try:
-        return evaluate()
+        expression = evaluate()
+        if _holds_nan(expression):
+            raise ValueError("a function of math or numpy turned a symbol into NaN")
+        return expression
     except UserError:
         raise
     except (TypeError, ValueError, IndexError, AttributeError, RuntimeError, KeyError) as error:
@@ -283,6 +286,17 @@ def _tried(evaluate: Callable[[], Any], field: str) -> Any:
         ) from error
 
 
+def _holds_nan(expression: Any) -> bool:
+    """Whether a constant inside is NaN: what math.sin makes of a symbol, without an error."""
+    function = ca.Function("expression", ca.symvar(ca.SX(expression)), [ca.SX(expression)])
+    constants = (
+        function.instruction_constant(k)
+        for k in range(function.n_instructions())
+        if function.instruction_id(k) == ca.OP_CONST
+    )
+    return any(np.isnan(constant) for constant in constants)
+
+
 def _checked_horizon(horizon: float | Free) -> float | Free:
     if isinstance(horizon, Free):
         low = horizon.lower
@@ -299,11 +313,17 @@ def _checked_horizon(horizon: float | Free) -> float | Free:
     return horizon
 
 
-def _rate_bounds(rates: Any, nu: int) -> tuple[Array, Array]:
-    if rates is None:
-        return np.full(nu, -np.inf), np.full(nu, np.inf)
-    if isinstance(rates, tuple) and len(rates) == 2:
-        lower = filled(rates[0], nu, -np.inf, "rates[0]")
-        return lower, filled(rates[1], nu, np.inf, "rates[1]")
-    upper = filled(rates, nu, np.inf, "rates")
+def _rate_bounds(rates: Any, controls: tuple[Control, ...]) -> tuple[Array, Array]:
+    if rates is None or (isinstance(rates, tuple) and len(rates) == 2):
+        free = [Control(f"d{control.name}/dt", f"{control.unit}/s") for control in controls]
+        return bound_arrays(free, rates, "rates")
+    upper = filled(rates, len(controls), np.inf, "rates")
+    if not np.all(upper >= 0):
+        raise UserError(
+            "Symmetric bounds on rates cannot be negative.",
+            where="rates",
+            found=f"{upper}",
+            expected="largest |du/dt| of each control, or a pair (lower, upper)",
+            do="Give magnitudes, or a pair of lists.",
+        )
     return -upper, upper
