@@ -132,6 +132,14 @@ def gradient(
     return total
 
 
+def complete_fixed(program: Program, z: Array, multipliers: Multipliers) -> None:
+    """Set the bound multipliers of fixed unknowns, in place, from stationarity."""
+    fixed = program.lower == program.upper
+    multipliers.bounds[fixed] = 0.0
+    missing = gradient(program, evaluate(program, z), multipliers)
+    multipliers.bounds[fixed] = -missing[fixed]
+
+
 def _add_rates(program: Program, rho: Array, total: Array) -> None:
     rows = program.rates
     np.add.at(total, rows.positions, rho[:, None] * rows.weights)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skyknot.errors import UserError
-from skyknot.kernel.evaluation import evaluate, gradient
+from skyknot.kernel.evaluation import complete_fixed, evaluate, gradient
 from skyknot.kernel.program import Multipliers, Program
 
 Array = NDArray[np.float64]
@@ -55,12 +55,9 @@ class NonlinearProgram:
         for part in self.rate_rows:
             m.rates[part] += lam_g[inner : inner + len(part)]
             inner += len(part)
-        values = evaluate(program, z)
         if program.compressed:
             _recover_interior_rows(program, m, z)
-        fixed = program.lower == program.upper
-        m.bounds[fixed] = 0.0
-        m.bounds[fixed] = -gradient(program, values, m)[fixed]
+        complete_fixed(program, z, m)
         return z, m
 
     def lowered(self, m: Multipliers) -> Array:

@@ -75,4 +75,4 @@ class SchemeTable:
     def shares_controls(self, parametrisation: str) -> bool:
         """Whether the first and last control value belong to the nodes and so to both segments."""
         points = self.control_points[parametrisation]
-        return len(points) > 1 and points[0] == 0 and points[-1] == 1
+        return len(points) > 1 and bool(points[0] == 0 and points[-1] == 1)

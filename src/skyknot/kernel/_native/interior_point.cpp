@@ -1,0 +1,437 @@
+#include "interior_point.hpp"
+
+#include <chrono>
+#include <cmath>
+
+namespace skyknot::inline SKYKNOT_ISA {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double clock_seconds() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// Constants of the paper: (8) and (19)–(23), section 3.1.
+constexpr double kappa_epsilon = 10.0, kappa_mu = 0.2, theta_mu = 1.5, tau_min = 0.99;
+constexpr double s_max = 100.0;
+constexpr double delta_first = 1e-4, delta_smallest = 1e-20, delta_largest = 1e20;
+constexpr double equality_weight = 1e8;
+
+}  // namespace
+
+GroupState::GroupState(const Structure& S, int rows, int columns)
+    : value(S, rows), slack(S, rows), slack_step(S, rows), y(S, rows), y_step(S, rows),
+      lower(S, rows), upper(S, rows), zl(S, rows), zu(S, rows), dzl(S, rows), dzu(S, rows),
+      equality(S, rows), active(S, rows), r_slack(S, rows), t(S, rows), trial_value(S, rows),
+      trial_slack(S, rows), unscale(at(rows), 1.0), count(columns) {}
+
+InteriorPoint::InteriorPoint(const Structure& S, const Tape& value, const Tape& full,
+                             const Tape& terminal)
+    : z(S, S.v_rows()), lower(S, S.v_rows()), upper(S, S.v_rows()), scale(S, S.v_rows()),
+      q(at(S.nq)), q_lower(at(S.nq)), q_upper(at(S.nq)), q_scale(at(S.nq), 1.0),
+      defect_scale(at(S.nx), 1.0), lambda(S, S.interior()), zl(S, S.v_rows()), zu(S, S.v_rows()),
+      q_zl(at(S.nq)), q_zu(at(S.nq)), points(S, value, full), newton(points, terminal, false),
+      S_(S), direction_(newton.direction()), dzl_(S, S.v_rows()), dzu_(S, S.v_rows()),
+      cost_gradient_(S, S.v_rows()), lagrangian_(S, S.v_rows()), right_(S, S.v_rows()),
+      defect_(S, S.interior()), trial_defect_(S, S.interior()), used_defect_(S, S.interior()),
+      trial_z_(S, S.v_rows()), cost_step_(S, S.v_rows()), dq_zl_(at(S.nq)), dq_zu_(at(S.nq)),
+      q_cost_(at(S.nq)), q_lagrangian_(at(S.nq)), q_right_(at(S.nq)), q_step_right_(at(S.nq)),
+      trial_q_(at(S.nq)) {
+    for (int c = 0; c <= S.classes(); ++c) {
+        const bool rates = c == S.classes();
+        const int rows = rates ? static_cast<int>(S.rates.size()) : S.ng;
+        groups.emplace_back(S, rows, rates ? S.N : S.class_count(c));
+        used_rows_.emplace_back(S, rows);
+        if (!rates) class_rows_.emplace_back(S, S.ny());
+    }
+    history.reserve(4096);
+}
+
+double InteriorPoint::seconds() const { return clock_seconds() - started_; }
+
+Outcome InteriorPoint::solve(const Settings& settings,
+                             const std::function<bool(const Record&)>& watch) {
+    started_ = clock_seconds();
+    max_seconds_ = settings.max_seconds;
+    refinements_ = settings.refinements;
+    const double floor = settings.tolerance * std::min(1.0, objective_scale) / (kappa_epsilon + 1);
+    if (!initialise(settings)) return Outcome::evaluation;
+    for (iterations = 0;; ++iterations) {
+        // ---- where we stand -------------------------------------------------------------
+        differentiate();
+        gradients();
+        const Errors e = errors(0.0);
+        record(e);
+        if (watch && watch(history.back())) return Outcome::interrupted;
+        if (e.total <= settings.tolerance) return Outcome::solved;
+        const double acceptable = settings.tolerance * settings.acceptable_factor;
+        if (iterations >= settings.max_iterations) return give_up(e, acceptable, Outcome::iterations);
+        if (seconds() > settings.max_seconds) return give_up(e, acceptable, Outcome::seconds);
+        // ---- barrier --------------------------------------------------------------------
+        while (update_barrier(floor)) {}
+        // ---- direction ------------------------------------------------------------------
+        if (!factor()) {
+            if (!restore()) return give_up(e, acceptable, Outcome::stalled);
+            continue;
+        }
+        assemble(barrier);
+        solve_step();
+        // ---- step length ----------------------------------------------------------------
+        if (!line_search(std::max(tau_min, 1.0 - barrier))) {
+            if (e.total <= acceptable) return Outcome::acceptable;
+            if (!restore()) return give_up(e, acceptable, Outcome::infeasible);
+            continue;
+        }
+        // ---- move -----------------------------------------------------------------------
+        take_trial();
+    }
+}
+
+Outcome InteriorPoint::give_up(const Errors& e, double tolerance, Outcome otherwise) const {
+    return e.total <= tolerance ? Outcome::acceptable : otherwise;
+}
+
+void InteriorPoint::prepare_boxes() {
+    bounded_.clear();
+    const auto any_finite = [](const double* l, const double* u, int count) {
+        for (int k = 0; k < count; ++k)
+            if (std::isfinite(l[k]) || std::isfinite(u[k])) return true;
+        return false;
+    };
+    for (int r = 0; r < S_.v_rows(); ++r)
+        if (any_finite(lower.row(r), upper.row(r), S_.count(r)))
+            bounded_.push_back({{z.row(r), direction_.v.row(r), lower.row(r), upper.row(r),
+                                 zl.row(r), zu.row(r), dzl_.row(r), dzu_.row(r), S_.count(r)},
+                                trial_z_.row(r), newton.weight_v.row(r), right_.row(r)});
+    for (std::size_t i = 0; i < q.size(); ++i)
+        bounded_.push_back({{&q[i], &direction_.q[i], &q_lower[i], &q_upper[i], &q_zl[i], &q_zu[i],
+                             &dq_zl_[i], &dq_zu_[i], 1},
+                            &trial_q_[i], &newton.weight_q[i], &q_right_[i]});
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        GroupState& group = groups[g];
+        for (int r = 0; r < group.value.rows(); ++r)
+            if (any_finite(group.lower.row(r), group.upper.row(r), group.count))
+                bounded_.push_back(
+                    {{group.slack.row(r), group.slack_step.row(r), group.lower.row(r),
+                      group.upper.row(r), group.zl.row(r), group.zu.row(r), group.dzl.row(r),
+                      group.dzu.row(r), group.count},
+                     group.trial_slack.row(r), newton.groups[g].weight.row(r),
+                     group.r_slack.row(r)});
+    }
+}
+
+// Values at a point: objective, defects, path rows. False when something is not a number.
+bool InteriorPoint::evaluate(const RowBuffer& here, const double* here_q, bool trial) {
+    points.evaluate(here, here_q);
+    points.defects(here, trial ? trial_defect_ : defect_);
+    for (int c = 0; c < S_.classes(); ++c)
+        for (int i = 0; i < S_.ng; ++i) {
+            RowBuffer& to = trial ? groups[at(c)].trial_value : groups[at(c)].value;
+            std::copy_n(points.rows[at(c)].row(S_.row_g() + i), S_.class_count(c), to.row(i));
+        }
+    points.rates(here, here_q, trial ? groups.back().trial_value : groups.back().value);
+    newton.evaluate_terminal(here, here_q, objective_scale);
+    const double value = points.cost_sum() + newton.terminal_value;
+    (trial ? trial_objective_ : objective_) = value;
+    return std::isfinite(value) && std::isfinite(merit(trial).theta);
+}
+
+double InteriorPoint::row_residual(std::size_t g, int i, int k, bool trial) const {
+    const GroupState& group = groups[g];
+    return group.active.row(i)[k] *
+           ((trial ? group.trial_value : group.value).row(i)[k] -
+            (trial ? group.trial_slack : group.slack).row(i)[k]);
+}
+
+InteriorPoint::Merit InteriorPoint::merit(bool trial) const {
+    Merit m{trial ? trial_objective_ : objective_, 0.0};
+    for (const Bounded& b : bounded_)
+        m.phi -= barrier * b.box.log_distances(trial ? b.trial : b.box.value);
+    const RowBuffer& d = trial ? trial_defect_ : defect_;
+    for (int i = 0; i < d.rows(); ++i)
+        for (int k = 0; k < S_.N; ++k) m.theta += std::abs(d.row(i)[k]);
+    for (std::size_t g = 0; g < groups.size(); ++g)
+        for (int i = 0; i < groups[g].value.rows(); ++i)
+            for (int k = 0; k < groups[g].count; ++k)
+                m.theta += std::abs(row_residual(g, i, k, trial));
+    return m;
+}
+
+bool InteriorPoint::initialise(const Settings& settings) {
+    newton.pins = pins;
+    newton.pin_weight = equality_weight;
+    direction_ = newton.direction();
+    y_.clear();
+    for (std::size_t c = 0; c < groups.size(); ++c) {
+        y_.push_back(&groups[c].y);
+        for (int i = 0; i < groups[c].value.rows(); ++i)
+            for (int k = 0; k < groups[c].count; ++k)
+                newton.groups[c].equality.row(i)[k] =
+                    equality_weight * groups[c].equality.row(i)[k];
+    }
+    prepare_boxes();
+    barrier = settings.barrier_start;
+    last_regularisation_ = 0.0;
+    history.clear();
+    for (Bounded& b : bounded_) b.box.push_inside(settings.push, settings.push);
+    repeat_last(z);
+    if (!evaluate(z, q.data(), false)) return false;
+    for (GroupState& group : groups)
+        for (int i = 0; i < group.value.rows(); ++i)
+            for (int k = 0; k < group.count; ++k)
+                if (group.equality.row(i)[k] == 0.0) group.slack.row(i)[k] = group.value.row(i)[k];
+    for (Bounded& b : bounded_) {
+        b.box.push_inside(settings.push, settings.push);
+        if (!settings.warm) b.box.reset_multipliers(1.0);
+    }
+    if (!settings.warm) estimate_multipliers();
+    now_ = merit(false);
+    theta_start_ = now_.theta;
+    filter_.reset(1e4 * std::max(1.0, theta_start_));
+    return true;
+}
+
+// Least-squares multipliers, (36) of the paper: the Newton system with H = I.
+void InteriorPoint::estimate_multipliers() {
+    lambda.clear();
+    for (GroupState& group : groups) group.y.clear();
+    differentiate();
+    gradients();
+    for (int c = 0; c < S_.classes(); ++c)
+        for (std::size_t k = 0; k < S_.H.size(); ++k)
+            std::fill_n(points.rows[at(c)].row(S_.row_H() + static_cast<int>(k)),
+                        S_.class_count(c), 0.0);
+    newton.weight_v.clear();
+    std::fill(newton.weight_q.begin(), newton.weight_q.end(), 0.0);
+    right_.copy(lagrangian_);
+    q_right_ = q_lagrangian_;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        newton.groups[g].residual.clear();
+        for (int i = 0; i < groups[g].value.rows(); ++i)
+            for (int k = 0; k < groups[g].count; ++k)
+                newton.groups[g].weight.row(i)[k] =
+                    groups[g].active.row(i)[k] * (1.0 - groups[g].equality.row(i)[k]);
+    }
+    for (Bounded& b : bounded_)
+        if (b.gradient >= right_.origin() && b.gradient < right_.origin() + right_.size())
+            b.box.add_multipliers(b.gradient);
+    used_defect_.clear();
+    newton.regularisation = 1.0;
+    const bool factored = newton.factor();
+    newton.regularisation = 0.0;
+    if (!factored) return;
+    newton.solve(right_, q_right_.data(), used_defect_, direction_, refinements_);
+    double most = 0.0;
+    for (int i = 0; i < lambda.rows(); ++i)
+        for (int k = 0; k < S_.N; ++k) most = std::max(most, std::abs(direction_.lambda.row(i)[k]));
+    if (most < 1e3) lambda.copy(direction_.lambda);
+    if (!std::isfinite(most)) lambda.clear();
+}
+
+void InteriorPoint::differentiate() {
+    points.differentiate(z, q.data(), lambda, y_);
+    newton.evaluate_terminal(z, q.data(), objective_scale);
+}
+
+// Gradients of the objective and of the Lagrangian without bound multipliers.
+void InteriorPoint::gradients() {
+    cost_gradient_.clear(), lagrangian_.clear();
+    std::fill(q_cost_.begin(), q_cost_.end(), 0.0);
+    std::fill(q_lagrangian_.begin(), q_lagrangian_.end(), 0.0);
+    RowBuffer& nu = trial_z_;  // scratch: free until the next trial point
+    for (int c = 0; c < S_.classes(); ++c) {
+        RowBuffer& rows = class_rows_[at(c)];
+        rows.clear();
+        points.add_cost_gradient(c, rows);
+        points.scatter(c, rows, cost_gradient_, q_cost_.data());
+        rows.clear();
+        points.spread_multipliers(c, lambda, nu);
+        points.add_JF_transposed(c, nu, rows);
+        if (S_.ng > 0) points.add_Jg_transposed(c, groups[at(c)].y, rows);
+        points.scatter(c, rows, lagrangian_, q_lagrangian_.data());
+    }
+    points.add_rates_transposed(groups.back().y, lagrangian_, q_lagrangian_.data());
+    points.add_C_transposed(lambda, lagrangian_);
+    for (int i = 0; i < S_.nx; ++i)
+        cost_gradient_.row(S_.state_row(0, i))[S_.N] += newton.terminal_gradient[at(i)];
+    for (int i = 0; i < S_.nq; ++i) q_cost_[at(i)] += newton.terminal_gradient[at(S_.nx + i)];
+    for (int r = 0; r < S_.v_rows(); ++r)
+        for (int k = 0; k < S_.count(r); ++k) lagrangian_.row(r)[k] += cost_gradient_.row(r)[k];
+    for (int i = 0; i < S_.nq; ++i) q_lagrangian_[at(i)] += q_cost_[at(i)];
+    for (std::size_t p = 0; p < pins.size(); ++p)
+        lagrangian_.row(pins[p].row)[pins[p].k] += pin_multipliers[p];
+}
+
+double InteriorPoint::multiplier_scale() const {
+    double sum = 0.0, count = 0.0;
+    for (int i = 0; i < lambda.rows(); ++i)
+        for (int k = 0; k < S_.N; ++k) sum += std::abs(lambda.row(i)[k]);
+    count += static_cast<double>(lambda.rows()) * S_.N;
+    for (const Bounded& b : bounded_) sum += b.box.multiplier_sum(), count += b.box.count;
+    return std::max(s_max, sum / std::max(1.0, count)) / s_max;
+}
+
+// Residuals in the user's units; `total` divides by the size of the multipliers as in (5)–(6).
+InteriorPoint::Errors InteriorPoint::errors(double mu) const {
+    Errors e{0.0, 0.0, 0.0, 0.0};
+    for (int r = 0; r < S_.v_rows(); ++r)
+        for (int k = 0; k < S_.count(r); ++k) {
+            const double g = lagrangian_.row(r)[k] + zu.row(r)[k] - zl.row(r)[k];
+            const bool first = r < S_.nx && k == 0 && newton.fixed_first(r);
+            if (!first) e.dual = std::max(e.dual, std::abs(g) / scale.row(r)[k]);
+        }
+    for (int i = 0; i < S_.nq; ++i)
+        e.dual = std::max(e.dual, std::abs(q_lagrangian_[at(i)] + q_zu[at(i)] - q_zl[at(i)]) /
+                                      q_scale[at(i)]);
+    for (int i = 0; i < defect_.rows(); ++i)
+        for (int k = 0; k < S_.N; ++k)
+            e.primal = std::max(e.primal,
+                                std::abs(defect_.row(i)[k]) * defect_scale[at(i % S_.nx)]);
+    for (std::size_t g = 0; g < groups.size(); ++g)
+        for (int i = 0; i < groups[g].value.rows(); ++i)
+            for (int k = 0; k < groups[g].count; ++k) {
+                const GroupState& group = groups[g];
+                e.primal = std::max(
+                    e.primal, std::abs(row_residual(g, i, k, false)) * group.unscale[at(i)]);
+                const double free = group.active.row(i)[k] * (1.0 - group.equality.row(i)[k]);
+                const double dual = group.zu.row(i)[k] - group.zl.row(i)[k] - group.y.row(i)[k];
+                e.dual = std::max(e.dual, free * std::abs(dual) / group.unscale[at(i)]);
+            }
+    for (const Bounded& b : bounded_)
+        e.complementarity = std::max(e.complementarity, b.box.complementarity(mu));
+    e.dual /= objective_scale, e.complementarity /= objective_scale;
+    const double size = multiplier_scale();
+    e.total = std::max({e.dual / size, e.primal, e.complementarity / size});
+    return e;
+}
+
+// E_μ of (5), in scaled quantities.
+double InteriorPoint::barrier_error() const {
+    const Errors e = errors(barrier);
+    const double size = multiplier_scale();
+    return std::max({e.dual * objective_scale / size, e.primal,
+                     e.complementarity * objective_scale / size});
+}
+
+// (7): lower the barrier once its problem is solved well enough; true when it was lowered.
+bool InteriorPoint::update_barrier(double floor) {
+    if (barrier <= floor || barrier_error() > kappa_epsilon * barrier) return false;
+    barrier = std::max(floor, std::min(kappa_mu * barrier, std::pow(barrier, theta_mu)));
+    now_ = merit(false);
+    filter_.reset(1e4 * std::max(1.0, theta_start_));
+    return true;
+}
+
+// Inertia correction, section 3.1: raise δ_w until the reduced Hessian is positive definite.
+bool InteriorPoint::factor() {
+    newton.weight_v.clear();
+    std::fill(newton.weight_q.begin(), newton.weight_q.end(), 0.0);
+    for (Group& group : newton.groups) group.weight.clear();
+    for (const Bounded& b : bounded_) b.box.add_sigma(b.weight);
+    newton.regularisation = 0.0;
+    if (newton.factor()) return true;
+    double delta = last_regularisation_ == 0.0
+                       ? delta_first
+                       : std::max(delta_smallest, last_regularisation_ / 3.0);
+    const double growth = last_regularisation_ == 0.0 ? 100.0 : 8.0;
+    for (; delta < delta_largest; delta *= growth) {
+        newton.regularisation = delta;
+        if (newton.factor()) {
+            last_regularisation_ = delta;
+            return true;
+        }
+    }
+    return false;
+}
+
+// Right-hand side of the Newton system from `used_defect_` and `used_rows_` (g − s).
+void InteriorPoint::assemble(double mu) {
+    used_defect_.copy(defect_);
+    for (std::size_t g = 0; g < groups.size(); ++g)
+        for (int i = 0; i < groups[g].value.rows(); ++i)
+            for (int k = 0; k < groups[g].count; ++k)
+                used_rows_[g].row(i)[k] = row_residual(g, i, k, false);
+    right_.copy(lagrangian_);
+    q_right_ = q_lagrangian_;
+    for (GroupState& group : groups)
+        for (int i = 0; i < group.y.rows(); ++i)
+            for (int k = 0; k < group.count; ++k)
+                group.r_slack.row(i)[k] =
+                    group.equality.row(i)[k] == 0.0 ? -group.y.row(i)[k] : 0.0;
+    for (Bounded& b : bounded_) b.box.add_barrier_gradient(mu, b.gradient);
+}
+
+// Solves for the step with the residuals in use; fills slack, multiplier and bound steps.
+void InteriorPoint::solve_step() {
+    RowBuffer& gradient = cost_step_;
+    gradient.copy(right_);
+    q_step_right_ = q_right_;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        GroupState& group = groups[g];
+        Group& rows = newton.groups[g];
+        for (int i = 0; i < group.y.rows(); ++i)
+            for (int k = 0; k < group.count; ++k) {
+                const double r = used_rows_[g].row(i)[k];
+                group.t.row(i)[k] = rows.weight.row(i)[k] * r + group.r_slack.row(i)[k];
+                rows.residual.row(i)[k] = group.equality.row(i)[k] * r;
+            }
+        if (g + 1 < groups.size() && S_.ng > 0) {
+            class_rows_[g].clear();
+            points.add_Jg_transposed(static_cast<int>(g), group.t, class_rows_[g]);
+            points.scatter(static_cast<int>(g), class_rows_[g], gradient, q_step_right_.data());
+        }
+    }
+    points.add_rates_transposed(groups.back().t, gradient, q_step_right_.data());
+    newton.solve(gradient, q_step_right_.data(), used_defect_, direction_, refinements_);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        GroupState& group = groups[g];
+        const Group& rows = newton.groups[g];
+        for (int i = 0; i < group.y.rows(); ++i)
+            for (int k = 0; k < group.count; ++k) {
+                const double along = rows.linear.row(i)[k] + used_rows_[g].row(i)[k];
+                const bool equality = group.equality.row(i)[k] != 0.0;
+                group.slack_step.row(i)[k] = equality ? 0.0 : along;
+                group.y_step.row(i)[k] = equality ? direction_.equality[g].row(i)[k]
+                                                  : rows.weight.row(i)[k] * along +
+                                                        group.r_slack.row(i)[k];
+            }
+    }
+    for (Bounded& b : bounded_) b.box.multiplier_steps(barrier);
+}
+
+// Lanes past the last segment evaluate a copy of it.
+void InteriorPoint::repeat_last(RowBuffer& rows) const {
+    for (int r = 0; r < S_.v_rows(); ++r)
+        std::fill(rows.row(r) + S_.count(r), rows.row(r) + rows.stride() - Structure::front,
+                  rows.row(r)[S_.count(r) - 1]);
+}
+
+void InteriorPoint::take_trial() {
+    for (int r = 0; r < S_.v_rows(); ++r) std::copy_n(trial_z_.row(r), S_.count(r), z.row(r));
+    repeat_last(z);
+    q = trial_q_;
+    for (int i = 0; i < lambda.rows(); ++i)
+        for (int k = 0; k < S_.N; ++k)
+            lambda.row(i)[k] += alpha_ * direction_.lambda.row(i)[k];
+    for (GroupState& group : groups) {
+        for (int i = 0; i < group.y.rows(); ++i)
+            for (int k = 0; k < group.count; ++k) {
+                group.y.row(i)[k] += alpha_ * group.y_step.row(i)[k];
+                group.slack.row(i)[k] = group.trial_slack.row(i)[k];
+                group.value.row(i)[k] = group.trial_value.row(i)[k];
+            }
+    }
+    defect_.copy(trial_defect_);
+    objective_ = trial_objective_;
+    for (std::size_t p = 0; p < pins.size(); ++p) pin_multipliers[p] += alpha_ * direction_.pins[p];
+    for (Bounded& b : bounded_) b.box.move_multipliers(alpha_dual_, barrier);
+    now_ = merit(false);
+}
+
+void InteriorPoint::record(const Errors& e) {
+    history.push_back({objective_ / objective_scale, e.primal, e.dual, barrier, alpha_,
+                       newton.regularisation});
+}
+
+}  // namespace skyknot::inline SKYKNOT_ISA

@@ -1,0 +1,138 @@
+// Primal–dual interior point with a filter line search on the structured Newton system.
+//
+// A. Wächter, L. T. Biegler, "On the implementation of an interior-point filter line-search
+// algorithm for large-scale nonlinear programming", Math. Program. 106 (2006); equation and section
+// numbers in the source refer to it. Everything inside is scaled; what is reported is not.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "box.hpp"
+#include "filter.hpp"
+#include "newton.hpp"
+#include "points.hpp"
+
+namespace skyknot::inline SKYKNOT_ISA {
+
+struct Settings {
+    double tolerance = 1e-6;
+    double acceptable_factor = 100.0;
+    double barrier_start = 0.1;
+    double push = 1e-2;  // κ₁ = κ₂ of the starting point
+    int max_iterations = 1000;
+    double max_seconds = 600.0;
+    int refinements = 3;
+    bool warm = false;  // multipliers given
+};
+
+enum class Outcome { solved, acceptable, infeasible, iterations, seconds, evaluation, stalled, interrupted };
+
+struct Record {
+    double objective, primal, dual, barrier, step, regularisation;
+};
+
+// Everything of one group of path rows that the iteration moves.
+struct GroupState {
+    RowBuffer value, slack, slack_step, y, y_step, lower, upper, zl, zu, dzl, dzu;
+    RowBuffer equality;  // 1 at equalities
+    RowBuffer active;    // 1 where there is any bound
+    RowBuffer r_slack, t, trial_value, trial_slack;
+    std::vector<double> unscale;  // unscaled row = scaled row × this
+    int count;
+
+    GroupState(const Structure& structure, int rows, int columns);
+};
+
+class InteriorPoint {
+public:
+    InteriorPoint(const Structure& structure, const Tape& value, const Tape& full,
+                  const Tape& terminal);
+
+    // Filled by the caller: bounds, start, scales.
+    RowBuffer z, lower, upper, scale;             // V rows
+    std::vector<double> q, q_lower, q_upper, q_scale;
+    std::vector<double> defect_scale;             // (nx,) unscaled = scaled × this
+    std::vector<GroupState> groups;
+    RowBuffer lambda, zl, zu;
+    std::vector<double> q_zl, q_zu;
+    double objective_scale = 1.0;
+    std::vector<Pin> pins;
+    std::vector<double> pin_multipliers;
+    Points points;
+
+    // `watch` sees every iteration and stops the solve by returning true.
+    Outcome solve(const Settings& settings, const std::function<bool(const Record&)>& watch);
+
+    std::vector<Record> history;
+    double barrier = 0.0;
+    Newton newton;
+    int iterations = 0, restorations = 0;
+
+private:
+    // Barrier objective φ and infeasibility θ of a point.
+    struct Merit {
+        double phi, theta;
+    };
+    struct Errors {
+        double dual, primal, complementarity;  // unscaled
+        double total;                          // what is compared with the tolerance
+    };
+    // A Box with its place in the trial point and in the Hessian's diagonal.
+    struct Bounded {
+        Box box;
+        double* trial;
+        double* weight;
+        double* gradient;  // where the barrier's gradient goes
+    };
+
+    void prepare_boxes();
+    bool initialise(const Settings& settings);
+    void estimate_multipliers();
+    bool evaluate(const RowBuffer& at, const double* at_q, bool trial);
+    Merit merit(bool trial) const;
+    double row_residual(std::size_t group, int row, int k, bool trial) const;
+    void differentiate();
+    void gradients();
+    Errors errors(double mu) const;
+    double barrier_error() const;
+    double multiplier_scale() const;
+    bool update_barrier(double floor);
+    bool factor();
+    void assemble(double mu);
+    void solve_step();
+    double slope() const;
+    double longest_primal(double tau) const;
+    bool line_search(double tau);
+    bool accept(const Merit& trial, double alpha, double descent);
+    bool second_order_correction(double tau, double descent);
+    void make_trial(double alpha);
+    void take_trial();
+    void repeat_last(RowBuffer& rows) const;
+    void record(const Errors& e);
+    bool restore();
+    std::size_t variable_boxes() const;
+    void add_primal_barrier(double mu, Newton& system);
+    Outcome give_up(const Errors& e, double tolerance, Outcome otherwise) const;
+    double seconds() const;
+
+    Structure S_;
+    Direction direction_;
+    std::vector<Bounded> bounded_;
+    RowBuffer dzl_, dzu_, cost_gradient_, lagrangian_, right_, defect_, trial_defect_,
+        used_defect_, trial_z_, cost_step_;
+    std::vector<double> dq_zl_, dq_zu_, q_cost_, q_lagrangian_, q_right_, q_step_right_, trial_q_;
+    std::vector<RowBuffer> class_rows_, used_rows_;
+    std::vector<const RowBuffer*> y_;
+    Filter filter_;
+    Merit now_{};
+    double objective_ = 0.0, trial_objective_ = 0.0;
+    double theta_start_ = 0.0, last_regularisation_ = 0.0, alpha_ = 0.0, alpha_dual_ = 0.0;
+    double started_ = 0.0, max_seconds_ = 0.0;
+    int refinements_ = 3;
+    bool augment_ = false;
+    std::unique_ptr<Newton> elastic_;
+};
+
+}  // namespace skyknot::inline SKYKNOT_ISA

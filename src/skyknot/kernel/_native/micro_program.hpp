@@ -1,0 +1,85 @@
+// Sparse linear algebra of one segment, written once and run for eight segments at a time.
+//
+// A Builder records multiply–add instructions over values; structural zeros and ones vanish while
+// recording, so that what runs is exactly the arithmetic the sparsity pattern leaves. `finish`
+// gives every value a slot of eight lanes, reusing slots whose value is no longer needed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace skyknot::inline SKYKNOT_ISA {
+
+inline constexpr int lane_count = 8;
+
+// A value while recording: a structural zero, or the number of a recorded value.
+struct Value {
+    std::int32_t id = -1;
+    bool is_zero() const { return id < 0; }
+    bool operator==(const Value&) const = default;
+};
+
+using Term = std::pair<Value, Value>;
+
+class MicroProgram {
+public:
+    // Runs the instructions for segments first … first + 7. `sources[i]` and `targets[i]` are row
+    // buffers; an instruction adds its own row offset and `first`. `scalars` are broadcast.
+    void run(const double* const* sources, double* const* targets, const double* scalars,
+             std::ptrdiff_t first, double* workspace) const;
+
+    std::size_t slots() const { return slots_; }
+    std::size_t multiplications() const { return multiplications_; }
+
+private:
+    friend class Builder;
+    std::vector<std::uint32_t> code_;
+    std::vector<std::pair<std::uint32_t, double>> constants_;
+    std::size_t slots_ = 0, multiplications_ = 0;
+};
+
+class Builder {
+public:
+    explicit Builder(std::size_t stride) : stride_(stride) {}
+
+    Value zero() const { return {}; }
+    Value constant(double value);
+    // Row `row` of source `source`, read at first + shift.
+    Value input(std::uint32_t source, std::size_t row, std::ptrdiff_t shift = 0);
+    Value scalar(std::uint32_t index);
+
+    // start + Σ a b, or start − Σ a b.
+    Value dot(const std::vector<Term>& terms, Value start = {}, bool subtract = false);
+    Value product(Value a, Value b) { return dot({{a, b}}); }
+    Value sum(Value a, Value b) { return dot({{one(), b}}, a); }
+    Value reciprocal(Value a);
+    // Written at `offset` doubles (+ first) of target `target`.
+    void output(std::uint32_t target, std::size_t offset, Value value);
+
+    Value one() { return constant(1.0); }
+    bool is_one(Value v) const { return !v.is_zero() && v.id == one_; }
+
+    MicroProgram finish();
+
+private:
+    enum Kind : std::uint32_t { load, scalar_load, dot_add, dot_subtract, invert, store };
+    struct Step {
+        Kind kind;
+        std::int32_t result, start;
+        std::uint32_t buffer;
+        std::uint32_t offset;
+        std::vector<std::pair<std::int32_t, std::int32_t>> terms;
+    };
+    Value record(Step step);
+
+    std::size_t stride_;
+    std::int32_t values_ = 0, one_ = -2;
+    std::vector<Step> steps_;
+    std::vector<std::pair<std::int32_t, double>> constants_;
+    std::unordered_map<std::uint64_t, std::int32_t> inputs_;
+};
+
+}  // namespace skyknot::inline SKYKNOT_ISA

@@ -1,0 +1,461 @@
+#include "newton.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "vector8.hpp"
+
+namespace skyknot::inline SKYKNOT_ISA {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double largest(const RowBuffer& rows, const Structure& S) {
+    double most = 0.0;
+    for (int i = 0; i < rows.rows(); ++i) {
+        const double* row = rows.row(i);
+        for (int k = 0; k < S.N; ++k) most = std::max(most, std::abs(row[k]));
+    }
+    return most;
+}
+
+}  // namespace
+
+Newton::Newton(Points& points, const Tape& terminal, bool elastic)
+    : weight_v(points.structure(), points.structure().v_rows()),
+      weight_q(at(points.structure().nq)),
+      terminal_gradient(at(points.structure().nx + points.structure().nq)),
+      points_(points),
+      S_(points.structure()),
+      terminal_(terminal),
+      elastic_(elastic),
+      elimination_(S_, elastic),
+      riccati_(S_, elastic),
+      main_(riccati_.right_side()),
+      schur_(at(S_.nq * S_.nq)),
+      terminal_q_(at(riccati_.layout().sp * S_.nq)),
+      segment_(S_, static_cast<int>(elimination_.segment_rows)),
+      reduced_(S_, S_.interior()),
+      costate_(S_, S_.nx),
+      elastic_step_(S_, elastic ? S_.nx : 0),
+      gradient_(S_, S_.v_rows()),
+      defect_(S_, S_.interior()),
+      step_(S_, S_.v_rows()),
+      lambda_(S_, S_.interior()),
+      gradient_q_(at(S_.nq)),
+      step_q_(at(S_.nq)),
+      residual_q_(at(S_.nq)),
+      step_scalars_(scalar::first_global + at(S_.nq)),
+      nu_(S_, S_.nx),
+      terminal_workspace_(make_workspace(terminal.workspace_size(8))),
+      program_workspace_(make_workspace(
+          lane_count * std::max({elimination_.factor.slots(), elimination_.reduce.slots(),
+                                 elimination_.expand.slots()}))),
+      block_(make_workspace(
+          lane_count * std::max(elimination_.matrix_entries, elimination_.vector_entries))),
+      terminal_hessian_(at((S_.nx + S_.nq) * (S_.nx + S_.nq))) {
+    for (int i = 0; i < S_.nq; ++i) border_.push_back(riccati_.right_side());
+    for (int c = 0; c < S_.classes(); ++c) {
+        y_.emplace_back(S_, S_.ny());
+        out_.emplace_back(S_, S_.ny());
+        F_.emplace_back(S_, S_.nx);
+    }
+    for (int c = 0; c <= S_.classes(); ++c) {
+        const int rows = c < S_.classes() ? S_.ng : static_cast<int>(S_.rates.size());
+        groups.push_back({{S_, rows}, {S_, rows}, {S_, rows}, {S_, rows}, {S_, rows}});
+        t_.emplace_back(S_, rows);
+    }
+    terminal_.prepare<8>(terminal_workspace_.get());
+}
+
+Direction Newton::direction() const {
+    Direction d{{S_, S_.v_rows()}, {S_, S_.interior()}, std::vector<double>(at(S_.nq)), {}, {}};
+    for (const Group& group : groups) d.equality.emplace_back(S_, group.weight.rows());
+    d.pins.resize(pins.size());
+    return d;
+}
+
+void Newton::clear_padding(RowBuffer& rows) const {
+    const int end = padded8(S_.N) + 8;
+    for (int i = 0; i < rows.rows(); ++i)
+        std::fill(rows.row(i) + S_.N, rows.row(i) + std::min<std::ptrdiff_t>(end, rows.stride() - 8),
+                  0.0);
+}
+
+// The terminal tape gives M, its gradient over (x, q) and its dense Hessian.
+void Newton::evaluate_terminal(const RowBuffer& z, const double* q, double scale) {
+    double* w = terminal_workspace_.get();
+    const int n = S_.nx + S_.nq;
+    for (int i = 0; i < n; ++i)
+        store8(w + 8 * i,
+               broadcast8(i < S_.nx ? z.row(S_.state_row(0, i))[S_.N] : q[i - S_.nx]));
+    terminal_.run<8>(w);
+    const auto read = [&](std::size_t o) { return scale * w[terminal_.output_slot(o) * 8]; };
+    terminal_value = read(0);
+    for (int i = 0; i < n; ++i) terminal_gradient[at(i)] = read(at(1 + i));
+    for (int i = 0; i < n * n; ++i) terminal_hessian_[at(i)] = read(at(1 + n + i));
+}
+
+bool Newton::factor() {
+    ++factorisations;
+    for (Group& group : groups)
+        for (int r = 0; r < group.weight.rows(); ++r)
+            for (int k = 0; k <= S_.N; ++k)
+                group.total.row(r)[k] = group.weight.row(r)[k] + group.equality.row(r)[k];
+    if (S_.carry)
+        for (int r = 0; r < groups.back().total.rows(); ++r) groups.back().total.row(r)[0] = 0.0;
+    for (const Pin& pin : pins) weight_v.row(pin.row)[pin.k] += pin_weight;
+
+    std::vector<const double*> sources(source::first_class + 2 * at(S_.classes()));
+    sources[source::fixed] = points_.length.origin();
+    sources[source::weight_v] = weight_v.origin();
+    sources[source::weight_r] = groups.back().total.origin();
+    for (int c = 0; c < S_.classes(); ++c) {
+        sources[source::first_class + 2 * at(c)] = points_.rows[at(c)].origin();
+        sources[source::first_class + 2 * at(c) + 1] = groups[at(c)].total.origin();
+    }
+    const double scalars[] = {regularisation, elastic_weight};
+    const std::size_t size = riccati_.layout().size();
+    for (int first = 0; first < S_.N; first += lane_count) {
+        double* const targets[] = {segment_.origin(), block_.get() - first, nullptr, nullptr,
+                                   nullptr};
+        elimination_.factor.run(sources.data(), targets, scalars, first, program_workspace_.get());
+        const int filled = std::min(lane_count, S_.N - first);
+        double* stage = riccati_.stage(first);
+        for (const auto& [entry, offset] : elimination_.matrix_scatter)
+            for (int lane = 0; lane < filled; ++lane)
+                stage[at(lane) * size + offset] = block_[std::size_t{entry} * lane_count + at(lane)];
+    }
+    for (const Pin& pin : pins) weight_v.row(pin.row)[pin.k] -= pin_weight;
+    fill_terminal();
+    return riccati_.factor() && factor_border();
+}
+
+// Hessian of the last node: terminal cost, its own point when controls are shared, bounds.
+void Newton::fill_terminal() {
+    const StageLayout& layout = riccati_.layout();
+    double* P = riccati_.terminal();
+    std::fill_n(P, at(layout.sp * layout.ns), 0.0);
+    std::fill(terminal_q_.begin(), terminal_q_.end(), 0.0);
+    const int n = S_.nx + S_.nq, sp = layout.sp;
+    const int own = S_.nx + (S_.shared ? S_.nu : 0);
+    const auto q_of = [&](int y) { return y - S_.nx - S_.nu; };
+    std::vector<double>& schur = schur_;
+    std::fill(schur.begin(), schur.end(), 0.0);
+    const auto add = [&](int a, int b, double value) {  // over (x, u, q)
+        if (a < own && b < own) P[b * sp + a] += value;
+        else if (a < own) terminal_q_[at(q_of(b) * sp + a)] += value;
+        else if (a >= S_.nx + S_.nu && b >= S_.nx + S_.nu)
+            schur[at(q_of(a) * S_.nq + q_of(b))] += value;
+    };
+    const auto from_terminal = [&](int i) { return i < S_.nx ? i : i + S_.nu; };
+    for (int a = 0; a < n; ++a)
+        for (int b = 0; b < n; ++b)
+            add(from_terminal(a), from_terminal(b), terminal_hessian_[at(a * n + b)]);
+    if (S_.shared) {
+        const RowBuffer& rows = points_.rows[0];
+        for (std::size_t k = 0; k < S_.H.size(); ++k) {
+            const double h = rows.row(S_.row_H() + static_cast<int>(k))[S_.N];
+            add(S_.H.row[k], S_.H.column[k], h);
+            if (S_.H.row[k] != S_.H.column[k]) add(S_.H.column[k], S_.H.row[k], h);
+        }
+        for (std::size_t k = 0; k < S_.Jg.size(); ++k)
+            for (std::size_t l = 0; l < S_.Jg.size(); ++l)
+                if (S_.Jg.row[k] == S_.Jg.row[l])
+                    add(S_.Jg.column[k], S_.Jg.column[l],
+                        groups[0].total.row(S_.Jg.row[k])[S_.N] *
+                            rows.row(S_.row_Jg() + static_cast<int>(k))[S_.N] *
+                            rows.row(S_.row_Jg() + static_cast<int>(l))[S_.N]);
+    }
+    for (int i = 0; i < S_.nx; ++i)
+        P[i * sp + i] += weight_v.row(S_.state_row(0, i))[S_.N] + regularisation;
+    if (S_.shared)
+        for (int i = 0; i < S_.nu; ++i)
+            P[(S_.nx + i) * sp + S_.nx + i] +=
+                weight_v.row(S_.control_row(0, i))[S_.N] + regularisation;
+    for (const Pin& pin : pins) {
+        if (pin.k != S_.N) continue;
+        const int i = pin.row < S_.nx ? pin.row : S_.nx + pin.row - S_.interior();
+        P[i * sp + i] += pin_weight;
+    }
+}
+
+// Columns of the globals, and the Schur complement they leave.
+bool Newton::factor_border() {
+    const StageLayout& layout = riccati_.layout();
+    const int nq = S_.nq;
+    for (int q = 0; q < nq; ++q) {
+        Riccati::RightSide& right = border_[at(q)];
+        for (int k = 0; k < S_.N; ++k) {
+            const double* stage = riccati_.stage(k);
+            double* to = right.stages.get() + at(k) * layout.vector_size();
+            std::copy_n(stage + layout.gq(0, q), at(layout.wp), to);
+            std::copy_n(stage + layout.rq(0, q), at(S_.nx), to + layout.r(0));
+        }
+        std::copy_n(terminal_q_.data() + at(q * layout.sp), at(layout.sp), right.terminal.get());
+        riccati_.backward(right);
+        riccati_.forward(right);
+    }
+    for (int a = 0; a < nq; ++a) {
+        for (int b = 0; b < nq; ++b) {
+            for (int k = 0; k < S_.N; ++k) schur_[at(a * nq + b)] += riccati_.stage(k)[layout.Hqq(a, b)];
+            schur_[at(a * nq + b)] += border_product(border_[at(b)], a);
+        }
+        schur_[at(a * nq + a)] += weight_q[at(a)] + regularisation;
+    }
+    for (int j = 0; j < nq; ++j)  // Cholesky in place
+        for (int i = j; i < nq; ++i) {
+            double sum = schur_[at(i * nq + j)];
+            for (int l = 0; l < j; ++l) sum -= schur_[at(i * nq + l)] * schur_[at(j * nq + l)];
+            if (i == j && (!(sum > 0.0) || !std::isfinite(sum))) return false;
+            schur_[at(i * nq + j)] = i == j ? std::sqrt(sum) : sum / schur_[at(j * nq + j)];
+        }
+    return true;
+}
+
+// g_qᵀ w + r_qᵀ π summed over the stages: how a solution acts on the globals' equation.
+double Newton::border_product(const Riccati::RightSide& right, int q) const {
+    const StageLayout& layout = riccati_.layout();
+    double sum = 0.0;
+    for (int k = 0; k < S_.N; ++k) {
+        const double* stage = riccati_.stage(k);
+        const double* w = right.w.get() + k * layout.wp;
+        const double* costate = right.costate.get() + (k + 1) * layout.sp;
+        for (int i = 0; i < layout.wp; ++i) sum += stage[layout.gq(i, q)] * w[i];
+        for (int i = 0; i < S_.nx; ++i) sum += stage[layout.rq(i, q)] * costate[i];
+    }
+    for (int i = 0; i < layout.ns; ++i) sum += terminal_q_[at(q * layout.sp + i)] * right.last[at(i)];
+    return sum;
+}
+
+void Newton::right_side(const RowBuffer& g, const RowBuffer& d, Riccati::RightSide& right,
+                        double* g_q) {
+    const StageLayout& layout = riccati_.layout();
+    const double* sources[source::first_class] = {};
+    sources[source::segment] = segment_.origin();
+    sources[source::gradient] = g.origin();
+    sources[source::defect] = d.origin();
+    const double scalars[] = {regularisation, elastic_weight};
+    for (int first = 0; first < S_.N; first += lane_count) {
+        double* const targets[] = {nullptr, block_.get() - first, reduced_.origin(), nullptr,
+                                   nullptr};
+        elimination_.reduce.run(sources, targets, scalars, first, program_workspace_.get());
+        const int filled = std::min(lane_count, S_.N - first);
+        double* stage = right.stages.get() + at(first) * layout.vector_size();
+        for (const auto& [entry, offset] : elimination_.vector_scatter)
+            for (int lane = 0; lane < filled; ++lane)
+                stage[at(lane) * layout.vector_size() + offset] =
+                    block_[std::size_t{entry} * lane_count + at(lane)];
+        for (std::size_t i = 0; i < elimination_.global_entries.size(); ++i)
+            for (int lane = 0; lane < filled; ++lane)
+                g_q[i] += block_[std::size_t{elimination_.global_entries[i]} * lane_count + at(lane)];
+    }
+    double* last = right.terminal.get();
+    for (int i = 0; i < S_.nx; ++i) last[i] = g.row(S_.state_row(0, i))[S_.N];
+    for (int i = 0; i < layout.ns - S_.nx; ++i)
+        last[S_.nx + i] = S_.shared ? g.row(S_.control_row(0, i))[S_.N] : 0.0;
+}
+
+void Newton::read_step(const Riccati::RightSide& right, RowBuffer& step) {
+    const StageLayout& layout = riccati_.layout();
+    for (int k = 0; k <= S_.N; ++k) {
+        const bool end = k == S_.N;
+        const double* w = right.w.get() + k * layout.wp;
+        const double* s = end ? right.last.get() : w + layout.vp;
+        for (int i = 0; i < S_.nx; ++i) step.row(S_.state_row(0, i))[k] = s[i];
+        if (S_.shared)
+            for (int i = 0; i < S_.nu; ++i) step.row(S_.control_row(0, i))[k] = s[S_.nx + i];
+        if (end) break;
+        for (int c = S_.shared ? 1 : 0; c < S_.own_controls(); ++c)
+            for (int i = 0; i < S_.nu; ++i)
+                step.row(S_.control_row(c, i))[k] = w[S_.v_control(c, i)];
+        if (elastic_)
+            for (int i = 0; i < S_.nx; ++i)
+                elastic_step_.row(i)[k] = w[S_.own_controls() * S_.nu + i];
+        const double* costate = right.costate.get() + (k + 1) * layout.sp;
+        for (int i = 0; i < S_.nx; ++i) costate_.row(i)[k] = costate[i];
+    }
+}
+
+void Newton::structured_solve(const RowBuffer& g, const double* g_q, const RowBuffer& d,
+                              RowBuffer& step, double* step_q, RowBuffer& lambda) {
+    ++solves;
+    const StageLayout& layout = riccati_.layout();
+    const int nq = S_.nq;
+    std::vector<double>& right_q = gradient_q_;
+    std::copy_n(g_q, at(nq), right_q.begin());
+    right_side(g, d, main_, right_q.data());
+    riccati_.backward(main_);
+    riccati_.forward(main_);
+    if (nq > 0) {
+        for (int a = 0; a < nq; ++a) step_q[a] = -(right_q[at(a)] + border_product(main_, a));
+        for (int i = 0; i < nq; ++i) {
+            for (int l = 0; l < i; ++l) step_q[i] -= schur_[at(i * nq + l)] * step_q[l];
+            step_q[i] /= schur_[at(i * nq + i)];
+        }
+        for (int i = nq - 1; i >= 0; --i) {
+            for (int l = i + 1; l < nq; ++l) step_q[i] -= schur_[at(l * nq + i)] * step_q[l];
+            step_q[i] /= schur_[at(i * nq + i)];
+        }
+        for (int a = 0; a < nq; ++a) {
+            const Riccati::RightSide& column = border_[at(a)];
+            const auto add = [&](Workspace& to, const Workspace& from, int count) {
+                for (int i = 0; i < count; ++i) to[at(i)] += step_q[a] * from[at(i)];
+            };
+            add(main_.w, column.w, S_.N * layout.wp);
+            add(main_.last, column.last, layout.sp);
+            add(main_.costate, column.costate, (S_.N + 1) * layout.sp);
+        }
+    }
+    read_step(main_, step);
+    const double* sources[source::first_class] = {};
+    sources[source::segment] = segment_.origin();
+    sources[source::reduced] = reduced_.origin();
+    sources[source::gradient] = g.origin();
+    sources[source::step] = step.origin();
+    sources[source::elastic] = elastic_step_.origin();
+    sources[source::costate] = costate_.origin();
+    std::vector<double>& scalars = step_scalars_;
+    scalars[scalar::regularisation] = regularisation;
+    scalars[scalar::elastic_weight] = elastic_weight;
+    std::copy_n(step_q, at(nq), scalars.begin() + scalar::first_global);
+    for (int first = 0; first < S_.N; first += lane_count) {
+        double* const targets[] = {nullptr, nullptr, nullptr, step.origin(), lambda.origin()};
+        elimination_.expand.run(sources, targets, scalars.data(), first, program_workspace_.get());
+    }
+    clear_padding(lambda);
+    for (int row = S_.nx; row < S_.interior(); ++row)
+        std::fill(step.row(row) + S_.N, step.row(row) + step.stride() - 8, 0.0);
+}
+
+void Newton::apply_rows(const RowBuffer& v, const double* q) {
+    for (int c = 0; c < S_.classes(); ++c) {
+        if (S_.ng == 0) continue;
+        points_.gather(c, v, q, y_[at(c)]);
+        points_.Jg(c, y_[at(c)], groups[at(c)].linear);
+    }
+    points_.rates(v, q, groups.back().linear);
+}
+
+// Residual of the unreduced system at `at`: into gradient_, residual_q_ and defect_.
+double Newton::residual(const RowBuffer& r, const double* r_q, const RowBuffer& d,
+                        Direction& now) {
+    gradient_.copy(r);
+    std::vector<double>& out_q = residual_q_;
+    std::copy_n(r_q, at(S_.nq), out_q.begin());
+    apply_rows(now.v, now.q.data());
+    for (int c = 0; c < S_.classes(); ++c) {
+        const std::size_t C = at(c);
+        points_.gather(c, now.v, now.q.data(), y_[C]);
+        out_[C].clear();
+        points_.add_H(c, y_[C], out_[C]);
+        points_.spread_multipliers(c, now.lambda, nu_);
+        points_.add_JF_transposed(c, nu_, out_[C]);
+        points_.JF(c, y_[C], F_[C]);
+        for (int i = 0; i < S_.ng; ++i)
+            for (int k = 0; k < S_.class_count(c); ++k)
+                t_[C].row(i)[k] = groups[C].weight.row(i)[k] * groups[C].linear.row(i)[k] +
+                                  now.equality[C].row(i)[k];
+        if (S_.ng > 0) points_.add_Jg_transposed(c, t_[C], out_[C]);
+        points_.scatter(c, out_[C], gradient_, out_q.data());
+    }
+    Group& rate = groups.back();
+    for (int i = 0; i < rate.weight.rows(); ++i)
+        for (int k = 0; k < S_.N; ++k)
+            t_.back().row(i)[k] = rate.weight.row(i)[k] * rate.linear.row(i)[k] +
+                                  now.equality.back().row(i)[k];
+    points_.add_rates_transposed(t_.back(), gradient_, out_q.data());
+    points_.add_C_transposed(now.lambda, gradient_);
+    for (int row = 0; row < S_.v_rows(); ++row)
+        for (int k = 0; k < S_.count(row); ++k)
+            gradient_.row(row)[k] += (weight_v.row(row)[k] + regularisation) * now.v.row(row)[k];
+    const int n = S_.nx + S_.nq;
+    const auto terminal_step = [&](int i) {
+        return i < S_.nx ? now.v.row(S_.state_row(0, i))[S_.N] : now.q[at(i - S_.nx)];
+    };
+    for (int i = 0; i < n; ++i) {
+        double sum = 0.0;
+        for (int j = 0; j < n; ++j) sum += terminal_hessian_[at(i * n + j)] * terminal_step(j);
+        if (i < S_.nx) gradient_.row(S_.state_row(0, i))[S_.N] += sum;
+        else out_q[at(i - S_.nx)] += sum;
+    }
+    for (int i = 0; i < S_.nq; ++i)
+        out_q[at(i)] += (weight_q[at(i)] + regularisation) * now.q[at(i)];
+    for (std::size_t p = 0; p < pins.size(); ++p) gradient_.row(pins[p].row)[pins[p].k] += now.pins[p];
+    points_.combine(now.v, F_, 0, defect_);
+    for (int i = 0; i < defect_.rows(); ++i)
+        for (int k = 0; k < S_.N; ++k) defect_.row(i)[k] += d.row(i)[k];
+
+    double most = largest(defect_, S_);
+    for (const Group& group : groups)
+        for (int i = 0; i < group.weight.rows(); ++i)
+            for (int k = 0; k <= S_.N; ++k)
+                if (group.equality.row(i)[k] > 0.0)
+                    most = std::max(most, std::abs(group.residual.row(i)[k] + group.linear.row(i)[k]));
+    for (const Pin& pin : pins) most = std::max(most, std::abs(now.v.row(pin.row)[pin.k]));
+    for (int i = 0; i < S_.nx; ++i)
+        if (riccati_.fixed_first[at(i)]) gradient_.row(S_.state_row(0, i))[0] = 0.0;
+    for (int row = 0; row < S_.v_rows(); ++row)
+        for (int k = 0; k < S_.count(row); ++k)
+            most = std::max(most, std::abs(gradient_.row(row)[k]));
+    for (double value : out_q) most = std::max(most, std::abs(value));
+    return most;
+}
+
+double Newton::solve(const RowBuffer& r, const double* r_q, const RowBuffer& d, Direction& out,
+                     int refinements) {
+    out.v.clear(), out.lambda.clear();
+    std::fill(out.q.begin(), out.q.end(), 0.0);
+    std::fill(out.pins.begin(), out.pins.end(), 0.0);
+    for (RowBuffer& rows : out.equality) rows.clear();
+    for (Group& group : groups) group.linear.clear();
+    gradient_.copy(r), defect_.copy(d);
+    std::copy_n(r_q, at(S_.nq), residual_q_.begin());
+    double scale = largest(d, S_);
+    for (int row = 0; row < S_.v_rows(); ++row)
+        for (int k = 0; k < S_.count(row); ++k) scale = std::max(scale, std::abs(r.row(row)[k]));
+    double left = 0.0, before = INFINITY;
+    for (int pass = 0;; ++pass) {
+        // equalities and pins as weighted rows of this pass
+        for (int c = 0; c <= S_.classes(); ++c) {
+            Group& group = groups[at(c)];
+            for (int i = 0; i < group.weight.rows(); ++i)
+                for (int k = 0; k <= S_.N; ++k)
+                    t_[at(c)].row(i)[k] = group.equality.row(i)[k] *
+                                          (group.residual.row(i)[k] + group.linear.row(i)[k]);
+            if (c < S_.classes() && S_.ng > 0) {
+                out_[at(c)].clear();
+                points_.add_Jg_transposed(c, t_[at(c)], out_[at(c)]);
+                points_.scatter(c, out_[at(c)], gradient_, residual_q_.data());
+            }
+        }
+        points_.add_rates_transposed(t_.back(), gradient_, residual_q_.data());
+        for (const Pin& pin : pins)
+            gradient_.row(pin.row)[pin.k] += pin_weight * out.v.row(pin.row)[pin.k];
+        structured_solve(gradient_, residual_q_.data(), defect_, step_, step_q_.data(), lambda_);
+        for (int row = 0; row < S_.v_rows(); ++row)
+            for (int k = 0; k < S_.count(row); ++k) out.v.row(row)[k] += step_.row(row)[k];
+        for (int i = 0; i < out.lambda.rows(); ++i)
+            for (int k = 0; k < S_.N; ++k) out.lambda.row(i)[k] += lambda_.row(i)[k];
+        for (int i = 0; i < S_.nq; ++i) out.q[at(i)] += step_q_[at(i)];
+        apply_rows(out.v, out.q.data());
+        for (int c = 0; c <= S_.classes(); ++c) {
+            Group& group = groups[at(c)];
+            for (int i = 0; i < group.weight.rows(); ++i)
+                for (int k = 0; k <= S_.N; ++k)
+                    out.equality[at(c)].row(i)[k] +=
+                        group.equality.row(i)[k] *
+                        (group.residual.row(i)[k] + group.linear.row(i)[k]);
+        }
+        for (std::size_t p = 0; p < pins.size(); ++p)
+            out.pins[p] += pin_weight * out.v.row(pins[p].row)[pins[p].k];
+        if (elastic_) return 0.0;  // a restoration step needs no refinement
+        left = residual(r, r_q, d, out);
+        if (!(left > 1e-10 * scale) || pass >= refinements || left > 0.5 * before) break;
+        before = left;
+    }
+    for (const Pin& pin : pins) out.v.row(pin.row)[pin.k] = 0.0;
+    return scale > 0.0 ? left / scale : left;
+}
+
+}  // namespace skyknot::inline SKYKNOT_ISA

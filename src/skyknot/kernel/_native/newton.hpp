@@ -1,0 +1,106 @@
+// The Newton system of the barrier problem: assembled, factored, solved and refined.
+//
+//     [W + Σ + δ_w   Jᵀ] [δz]     [r ]
+//     [J              0] [δλ] = − [d ]
+//
+// W Hessian of the Lagrangian with path rows D folded in, J defects. Equality path rows and pinned
+// unknowns enter with a large weight 1/δ_c and are made exact by refinement against the unreduced
+// system: their multipliers are updated as in the method of multipliers, so redundant rows do no
+// harm. Globals q border the system through their own right-hand sides.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "elimination.hpp"
+#include "points.hpp"
+#include "riccati.hpp"
+
+namespace skyknot::inline SKYKNOT_ISA {
+
+// A group of path rows: the rows of one class of points, or the rate rows.
+struct Group {
+    RowBuffer weight;    // D of inequalities, 0 elsewhere
+    RowBuffer equality;  // 1/δ_c at equalities, 0 elsewhere
+    RowBuffer total;     // both, what the elimination reads
+    RowBuffer residual;  // g − b at equalities, 0 elsewhere
+    RowBuffer linear;    // J δ, by `apply`
+};
+
+struct Direction {
+    RowBuffer v, lambda;
+    std::vector<double> q;
+    std::vector<RowBuffer> equality;  // δy of equality rows, a group each
+    std::vector<double> pins;         // multipliers of pinned unknowns
+};
+
+struct Pin {
+    int row, k;
+};
+
+class Newton {
+public:
+    Newton(Points& points, const Tape& terminal, bool elastic);
+
+    // Set by the caller before `factor`.
+    RowBuffer weight_v;
+    std::vector<double> weight_q;
+    std::vector<Group> groups;  // classes, then rates
+    std::vector<Pin> pins;
+    double pin_weight = 0.0;
+    double regularisation = 0.0;
+    double elastic_weight = 0.0;
+
+    // Terminal cost M at the last node: value, gradient over (x, q), by `evaluate_terminal`.
+    double terminal_value = 0.0;
+    std::vector<double> terminal_gradient;
+    void evaluate_terminal(const RowBuffer& z, const double* q, double scale);
+
+    Riccati& riccati() { return riccati_; }
+    bool fixed_first(int i) const { return riccati_.fixed_first[static_cast<std::size_t>(i)] != 0; }
+    const Tape& terminal_tape() const { return terminal_; }
+    Direction direction() const;
+
+    // False when the reduced Hessian is not positive definite.
+    bool factor();
+    // Solves for gradient r (V rows, r_q) and defects d; refines at most `refinements` times.
+    // Returns the relative residual left.
+    double solve(const RowBuffer& r, const double* r_q, const RowBuffer& d, Direction& out,
+                 int refinements);
+    // groups[·].linear = J δ.
+    void apply_rows(const RowBuffer& v, const double* q);
+
+    long factorisations = 0, solves = 0;
+
+private:
+    void fill_terminal();
+    bool factor_border();
+    void structured_solve(const RowBuffer& g, const double* g_q, const RowBuffer& d,
+                          RowBuffer& step, double* step_q, RowBuffer& lambda);
+    double residual(const RowBuffer& r, const double* r_q, const RowBuffer& d, Direction& at);
+    void right_side(const RowBuffer& g, const RowBuffer& d, Riccati::RightSide& right,
+                    double* g_q);
+    void read_step(const Riccati::RightSide& right, RowBuffer& step);
+    double border_product(const Riccati::RightSide& right, int q) const;
+    void clear_padding(RowBuffer& rows) const;
+
+    Points& points_;
+    Structure S_;
+    const Tape& terminal_;
+    bool elastic_;
+    Elimination elimination_;
+    Riccati riccati_;
+    Riccati::RightSide main_;
+    std::vector<Riccati::RightSide> border_;
+    std::vector<double> schur_, terminal_q_;  // (nq, nq) Cholesky; (sp, nq) terminal g_q
+    RowBuffer segment_, reduced_, costate_, elastic_step_;
+    RowBuffer gradient_, defect_, step_, lambda_;
+    std::vector<double> gradient_q_, step_q_, residual_q_, step_scalars_;
+    std::vector<RowBuffer> y_, out_, F_;
+    RowBuffer nu_;
+    std::vector<RowBuffer> t_;
+    Workspace terminal_workspace_, program_workspace_, block_;
+    std::vector<double> terminal_hessian_;
+};
+
+}  // namespace skyknot::inline SKYKNOT_ISA

@@ -1,0 +1,181 @@
+// Feasibility restoration: a damped Gauss–Newton descent on the constraint violation.
+//
+//     minimise ½ Σ d² + ½ Σ (g − clamp(g, l, u))² − μ Σ log(distances of z to its bounds)
+//
+// Defects become elastic, d = e with cost ½ e², so that one factorisation of the stage problem
+// gives the step whatever the ranks. The problem is left as soon as the violation has fallen
+// enough for the filter; where it cannot fall further while violated, the program is locally
+// infeasible in the least-squares sense (Levenberg–Marquardt; Nocedal & Wright, chapter 10).
+#include <cmath>
+
+#include "interior_point.hpp"
+
+namespace skyknot::inline SKYKNOT_ISA {
+namespace {
+
+constexpr int most_steps = 300;
+constexpr double enough = 0.9;  // κ_resto of the paper, section 3.3
+
+}  // namespace
+
+bool InteriorPoint::restore() {
+    ++restorations;
+    if (!elastic_) {
+        elastic_ = std::make_unique<Newton>(points, newton.terminal_tape(), true);
+        for (int i = 0; i < S_.nx; ++i)
+            elastic_->riccati().fixed_first[static_cast<std::size_t>(i)] = newton.fixed_first(i);
+    }
+    Newton& system = *elastic_;
+    system.pins = pins;
+    system.pin_weight = 1e8;
+    system.elastic_weight = 1.0;
+    Direction step = system.direction();
+    const double mu = std::min(1e-4, barrier);
+    const Merit entry = now_;
+
+    const auto clamp_slacks = [&](bool trial) {
+        for (GroupState& group : groups)
+            for (int i = 0; i < group.value.rows(); ++i)
+                for (int k = 0; k < group.count; ++k) {
+                    if (group.equality.row(i)[k] != 0.0) {
+                        if (trial) group.trial_slack.row(i)[k] = group.slack.row(i)[k];
+                        continue;
+                    }
+                    const double low = group.lower.row(i)[k], high = group.upper.row(i)[k];
+                    const double value = (trial ? group.trial_value : group.value).row(i)[k];
+                    const double gap = high - low;
+                    const double inset = std::min(1e-6, 0.01 * gap);
+                    (trial ? group.trial_slack : group.slack).row(i)[k] =
+                        std::min(std::max(value, low + inset), high - inset);
+                }
+    };
+    const auto violation = [&](bool trial) {
+        double sum = 0.0;
+        const RowBuffer& d = trial ? trial_defect_ : defect_;
+        for (int i = 0; i < d.rows(); ++i)
+            for (int k = 0; k < S_.N; ++k) sum += 0.5 * d.row(i)[k] * d.row(i)[k];
+        for (std::size_t g = 0; g < groups.size(); ++g)
+            for (int i = 0; i < groups[g].value.rows(); ++i)
+                for (int k = 0; k < groups[g].count; ++k) {
+                    const double r = row_residual(g, i, k, trial);
+                    sum += 0.5 * r * r;
+                }
+        const std::size_t variables = variable_boxes();
+        double logs = 0.0;
+        for (std::size_t b = 0; b < variables; ++b)
+            logs += bounded_[b].box.log_distances(trial ? bounded_[b].trial
+                                                        : bounded_[b].box.value);
+        return sum - mu * logs;
+    };
+
+    clamp_slacks(false);
+    double here = violation(false), damping = 1e-3;
+    for (int count = 0; count < most_steps && seconds() < max_seconds_; ++count) {
+        differentiate();
+        for (int c = 0; c < S_.classes(); ++c)
+            for (std::size_t k = 0; k < S_.H.size(); ++k)
+                std::fill_n(points.rows[static_cast<std::size_t>(c)].row(
+                                S_.row_H() + static_cast<int>(k)),
+                            S_.class_count(c), 0.0);
+        right_.clear();
+        std::fill(q_right_.begin(), q_right_.end(), 0.0);
+        for (std::size_t g = 0; g < groups.size(); ++g) {
+            GroupState& group = groups[g];
+            for (int i = 0; i < group.value.rows(); ++i)
+                for (int k = 0; k < group.count; ++k) {
+                    const double r = row_residual(g, i, k, false);
+                    const bool weighted = group.active.row(i)[k] != 0.0 && r != 0.0;
+                    system.groups[g].weight.row(i)[k] = weighted ? 1.0 : 0.0;
+                    group.t.row(i)[k] = weighted ? r : 0.0;
+                }
+            if (g + 1 < groups.size() && S_.ng > 0) {
+                class_rows_[g].clear();
+                points.add_Jg_transposed(static_cast<int>(g), group.t, class_rows_[g]);
+                points.scatter(static_cast<int>(g), class_rows_[g], right_, q_right_.data());
+            }
+        }
+        points.add_rates_transposed(groups.back().t, right_, q_right_.data());
+        system.weight_v.clear();
+        std::fill(system.weight_q.begin(), system.weight_q.end(), 0.0);
+        add_primal_barrier(mu, system);
+        bool accepted = false;
+        for (; damping < 1e12 && !accepted; damping *= 8.0) {
+            system.regularisation = damping;
+            if (!system.factor()) continue;
+            system.solve(right_, q_right_.data(), defect_, step, 0);
+            double alpha = 1.0;
+            direction_.v.copy(step.v);
+            direction_.q = step.q;
+            for (std::size_t b = 0; b < variable_boxes(); ++b)
+                alpha = bounded_[b].box.longest_primal(0.99, alpha);
+            make_trial(alpha);
+            if (!evaluate(trial_z_, trial_q_.data(), true)) continue;
+            clamp_slacks(true);
+            const double there = violation(true);
+            if (!(there < here - 1e-10 * std::abs(here))) continue;
+            accepted = true;
+            alpha_ = alpha;
+            here = there;
+            damping = alpha > 0.3 ? damping / 64.0 : damping / 8.0;
+            damping = std::max(damping, 1e-10);
+        }
+        if (!accepted) break;
+        for (int r = 0; r < S_.v_rows(); ++r) std::copy_n(trial_z_.row(r), S_.count(r), z.row(r));
+        repeat_last(z);
+        q = trial_q_;
+        defect_.copy(trial_defect_);
+        objective_ = trial_objective_;
+        for (GroupState& group : groups) {
+            group.value.copy(group.trial_value);
+            group.slack.copy(group.trial_slack);
+        }
+        ++iterations;
+        now_ = merit(false);
+        if (now_.theta <= enough * entry.theta && filter_.accepts(now_.theta, now_.phi)) {
+            filter_.add(entry.theta, entry.phi);
+            for (Bounded& b : bounded_) b.box.reset_multipliers_to(barrier);
+            std::fill(pin_multipliers.begin(), pin_multipliers.end(), 0.0);
+            estimate_multipliers();
+            last_regularisation_ = 0.0;
+            return true;
+        }
+    }
+    differentiate();
+    gradients();
+    return false;
+}
+
+// Bounded entries that are unknowns (not slacks) stand first.
+std::size_t InteriorPoint::variable_boxes() const {
+    std::size_t count = 0;
+    while (count < bounded_.size()) {
+        const double* weight = bounded_[count].weight;
+        const bool row = weight >= newton.weight_v.origin() &&
+                         weight < newton.weight_v.origin() + newton.weight_v.size();
+        bool global = false;
+        for (const double& w : newton.weight_q) global = global || weight == &w;
+        if (!row && !global) break;
+        ++count;
+    }
+    return count;
+}
+
+// μ/(v − l)² + μ/(u − v)² on the diagonal and the barrier's gradient on the right-hand side.
+void InteriorPoint::add_primal_barrier(double mu, Newton& system) {
+    const std::size_t variables = variable_boxes();
+    for (std::size_t b = 0; b < variables; ++b) {
+        const Bounded& entry = bounded_[b];
+        const std::ptrdiff_t offset = entry.weight - newton.weight_v.origin();
+        const bool row = offset >= 0 && static_cast<std::size_t>(offset) < newton.weight_v.size();
+        double* weight = row ? system.weight_v.origin() + offset
+                             : system.weight_q.data() + (entry.weight - newton.weight_q.data());
+        for (int k = 0; k < entry.box.count; ++k) {
+            const double below = entry.box.value[k] - entry.box.lower[k];
+            const double above = entry.box.upper[k] - entry.box.value[k];
+            weight[k] += mu / (below * below) + mu / (above * above);
+        }
+        entry.box.add_barrier_gradient(mu, entry.gradient);
+    }
+}
+
+}  // namespace skyknot::inline SKYKNOT_ISA

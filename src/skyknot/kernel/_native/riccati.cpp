@@ -1,0 +1,229 @@
+#include "riccati.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "small_matrix.hpp"
+
+namespace skyknot::inline SKYKNOT_ISA {
+
+namespace {
+std::size_t size(int a, int b = 1) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); }
+}  // namespace
+
+Riccati::Riccati(const Structure& structure, bool elastic)
+    : fixed_first(size(structure.ns()), 0),
+      structure_(structure),
+      layout_(structure, elastic),
+      N_(structure.N),
+      stages_(make_workspace(size(N_) * layout_.size())),
+      P_(make_workspace(size(N_ + 1) * size(layout_.sp, layout_.ns))),
+      L_(make_workspace(size(N_) * size(layout_.wp, layout_.nv))),
+      inverse_(make_workspace(size(N_, layout_.vp))),
+      M_(make_workspace(size(layout_.sp, layout_.wp))),
+      C_(make_workspace(size(layout_.sp, layout_.ns))),
+      first_(size(layout_.ns, layout_.ns)) {
+    free_.reserve(size(layout_.ns));
+}
+
+bool Riccati::factor() {
+    for (int k = N_ - 1; k >= 0; --k)
+        if (!factor_stage(k)) {
+            failed_stage = k;
+            return false;
+        }
+    failed_stage = 0;
+    return factor_first();
+}
+
+bool Riccati::factor_stage(int k) {
+    const auto [nx, nq, ns, nv, vp, sp, wp] = layout_;
+    const double* block = stage(k);
+    const double* A = block + layout_.A(0, 0);
+    const double* next = P(k + 1);
+    double* M = M_.get();
+    const int carried = ns - nx;
+
+    // M = P [A; carry]
+    std::memset(M, 0, size(sp, wp) * sizeof(double));
+    multiply_add(next, sp, A, wp, 1, M, sp, sp, nx, nv);
+    multiply_add(next, sp, A + vp, wp, 1, M + vp * sp, sp, sp, nx, ns);
+    for (int i = 0; i < carried; ++i) {
+        double* column = M + structure_.v_carried(i) * sp;
+        const double* from = next + (nx + i) * sp;
+        for (int r = 0; r < sp; ++r) column[r] += from[r];
+    }
+    // v columns of C, all rows, then their Cholesky factor in place
+    double* Lk = L(k);
+    std::memcpy(Lk, block + layout_.H(0, 0), size(wp, nv) * sizeof(double));
+    multiply_add(A, wp, M, 1, sp, Lk, wp, wp, nx, nv);
+    for (int j = 0; j < nv; ++j)
+        for (int i = 0; i < carried; ++i) Lk[j * wp + structure_.v_carried(i)] += M[j * sp + nx + i];
+    double* inverse = inverse_.get() + k * vp;
+    for (int p = 0; p < nv; ++p) {
+        double* column = Lk + p * wp;
+        const int from = p / 8 * 8;
+        multiply_add(Lk + from, wp, Lk + p, wp, 1, column + from, wp, wp - from, p, 1, -1.0);
+        const double pivot = column[p];
+        if (!(pivot > 0.0) || !std::isfinite(pivot)) return false;
+        const double scale = 1.0 / std::sqrt(pivot);
+        inverse[p] = scale;
+        for (int r = from; r < wp; ++r) column[r] *= scale;
+        for (int r = from; r < p; ++r) column[r] = 0.0;
+    }
+    // P = C_ss − L_sv L_svᵀ
+    double* here = P(k);
+    for (int j = 0; j < ns; ++j)
+        std::memcpy(here + j * sp, block + layout_.H(vp, vp + j), size(sp) * sizeof(double));
+    multiply_add(A + vp, wp, M + vp * sp, 1, sp, here, sp, sp, nx, ns);
+    multiply_add(Lk + vp, wp, Lk + vp, wp, 1, here, sp, sp, nv, ns, -1.0);
+    return true;
+}
+
+bool Riccati::factor_first() {
+    free_.clear();
+    for (int i = 0; i < layout_.ns; ++i)
+        if (!fixed_first[size(i)]) free_.push_back(i);
+    const int n = static_cast<int>(free_.size());
+    const double* P0 = P(0);
+    for (int j = 0; j < n; ++j)
+        for (int i = j; i < n; ++i) {
+            double sum = P0[free_[size(j)] * layout_.sp + free_[size(i)]];
+            for (int l = 0; l < j; ++l) sum -= first_[size(i * n + l)] * first_[size(j * n + l)];
+            if (i == j) {
+                if (!(sum > 0.0) || !std::isfinite(sum)) return false;
+                first_[size(j * n + j)] = std::sqrt(sum);
+            } else {
+                first_[size(i * n + j)] = sum / first_[size(j * n + j)];
+            }
+        }
+    return true;
+}
+
+Riccati::RightSide Riccati::right_side() const {
+    return {make_workspace(size(N_) * layout_.vector_size()),
+            make_workspace(size(layout_.sp)),
+            make_workspace(size(N_ + 1, layout_.sp)),
+            make_workspace(size(N_, layout_.vp)),
+            make_workspace(size(N_, layout_.wp)),
+            make_workspace(size(layout_.sp)),
+            make_workspace(size(N_ + 1, layout_.sp))};
+}
+
+void Riccati::backward(RightSide& right) const {
+    const auto [nx, nq, ns, nv, vp, sp, wp] = layout_;
+    std::memcpy(right.p.get() + N_ * sp, right.terminal.get(), size(sp) * sizeof(double));
+    double* t = right.last.get();
+    for (int k = N_ - 1; k >= 0; --k) {
+        double* g = right.stages.get() + size(k) * layout_.vector_size();
+        const double* r = g + wp;
+        const double* A = stage(k) + layout_.A(0, 0);
+        std::memcpy(t, right.p.get() + (k + 1) * sp, size(sp) * sizeof(double));
+        multiply_add(P(k + 1), sp, r, 1, 0, t, sp, sp, nx, 1);
+        // the right-hand side itself must survive refinement: work on a copy in w
+        double* work = right.w.get() + k * wp;
+        std::memcpy(work, g, size(wp) * sizeof(double));
+        multiply_add(A, wp, t, 1, 0, work, wp, wp, nx, 1);
+        for (int i = 0; i < ns - nx; ++i) work[structure_.v_carried(i)] += t[nx + i];
+        const double* Lk = L(k);
+        const double* inverse = inverse_.get() + k * vp;
+        double* y = right.y.get() + k * vp;
+        for (int p = 0; p < nv; ++p) {
+            const double value = work[p] * inverse[p];
+            y[p] = value;
+            const double* column = Lk + p * wp;
+            for (int i = p / 8 * 8; i < wp; ++i) work[i] -= value * column[i];
+        }
+        std::memcpy(right.p.get() + k * sp, work + vp, size(sp) * sizeof(double));
+    }
+}
+
+void Riccati::forward(RightSide& right) const {
+    const auto [nx, nq, ns, nv, vp, sp, wp] = layout_;
+    const int n = static_cast<int>(free_.size());
+    double* s = right.last.get();
+    std::memset(s, 0, size(sp) * sizeof(double));
+    const double* p0 = right.p.get();
+    for (int i = 0; i < n; ++i) {
+        double sum = -p0[free_[size(i)]];
+        for (int l = 0; l < i; ++l) sum -= first_[size(i * n + l)] * s[free_[size(l)]];
+        s[free_[size(i)]] = sum / first_[size(i * n + i)];
+    }
+    for (int i = n - 1; i >= 0; --i) {
+        double sum = s[free_[size(i)]];
+        for (int l = i + 1; l < n; ++l) sum -= first_[size(l * n + i)] * s[free_[size(l)]];
+        s[free_[size(i)]] = sum / first_[size(i * n + i)];
+    }
+    for (int k = 0; k <= N_; ++k) {
+        double* costate = right.costate.get() + k * sp;
+        std::memcpy(costate, right.p.get() + k * sp, size(sp) * sizeof(double));
+        multiply_add(P(k), sp, s, 1, 0, costate, sp, sp, ns, 1);
+        if (k == N_) break;
+        double* w = right.w.get() + k * wp;
+        std::memcpy(w + vp, s, size(sp) * sizeof(double));
+        const double* Lk = L(k);
+        const double* inverse = inverse_.get() + k * vp;
+        for (int p = nv - 1; p >= 0; --p) {
+            const double* column = Lk + p * wp;
+            double sum = right.y[size(k * vp + p)];
+            for (int i = p + 1; i < nv; ++i) sum += column[i] * w[i];
+            Vector8 dot{};
+            for (int i = vp; i < wp; i += 8) dot += load8(column + i) * load8(w + i);
+            for (int lane = 0; lane < 8; ++lane) sum += dot[lane];
+            w[p] = -sum * inverse[p];
+        }
+        for (int i = nv; i < vp; ++i) w[i] = 0.0;
+        const double* A = stage(k) + layout_.A(0, 0);
+        const double* r = right.stages.get() + size(k) * layout_.vector_size() + wp;
+        std::memset(s, 0, size(sp) * sizeof(double));
+        for (int i = 0; i < nx; ++i) {
+            Vector8 dot{};
+            for (int c = 0; c < wp; c += 8) dot += load8(A + i * wp + c) * load8(w + c);
+            double sum = r[i];
+            for (int lane = 0; lane < 8; ++lane) sum += dot[lane];
+            s[i] = sum;
+        }
+        for (int i = 0; i < ns - nx; ++i) s[nx + i] = w[structure_.v_carried(i)];
+    }
+}
+
+void Riccati::gains(int k, double* K) const {
+    const auto [nx, nq, ns, nv, vp, sp, wp] = layout_;
+    const int nu = structure_.nu;
+    std::vector<double> R(size(nu, nu)), B(size(nu, nx));
+    if (structure_.shared || k == N_) {  // u_k is part of the stage state: minimise P over it
+        if (ns == nx) return;
+        for (int i = 0; i < nu; ++i) {
+            for (int j = 0; j < nu; ++j) R[size(i * nu + j)] = P(k)[(nx + j) * sp + nx + i];
+            for (int j = 0; j < nx; ++j) B[size(i * nx + j)] = P(k)[j * sp + nx + i];
+        }
+    } else {  // v = −L⁻ᵀ L_svᵀ s: rows of the first control value
+        for (int j = 0; j < nx; ++j) {
+            std::vector<double> v(size(nv));
+            for (int p = nv - 1; p >= 0; --p) {
+                double sum = L(k)[p * wp + vp + j];
+                for (int i = p + 1; i < nv; ++i) sum -= L(k)[p * wp + i] * v[size(i)];
+                v[size(p)] = sum * inverse_[size(k * vp + p)];
+            }
+            for (int i = 0; i < nu; ++i) K[i * nx + j] = v[size(i)];
+        }
+        return;
+    }
+    for (int j = 0; j < nu; ++j) {  // K = R⁻¹ B by Gaussian elimination: R is positive definite
+        const double inverse = 1.0 / R[size(j * nu + j)];
+        for (int i = j + 1; i < nu; ++i) {
+            const double factor = R[size(i * nu + j)] * inverse;
+            for (int c = j; c < nu; ++c) R[size(i * nu + c)] -= factor * R[size(j * nu + c)];
+            for (int c = 0; c < nx; ++c) B[size(i * nx + c)] -= factor * B[size(j * nx + c)];
+        }
+    }
+    for (int i = nu - 1; i >= 0; --i)
+        for (int c = 0; c < nx; ++c) {
+            double sum = B[size(i * nx + c)];
+            for (int l = i + 1; l < nu; ++l) sum -= R[size(i * nu + l)] * K[l * nx + c];
+            K[i * nx + c] = sum / R[size(i * nu + i)];
+        }
+}
+
+}  // namespace skyknot::inline SKYKNOT_ISA

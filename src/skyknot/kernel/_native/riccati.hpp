@@ -1,0 +1,75 @@
+// Riccati recursion on the stages that elimination leaves.
+//
+// Legend: w = (v, s); x_{k+1} = A w + r, carried entries of s_{k+1} are entries of v;
+// P, p: Hessian and gradient of the cost-to-go in s. At each stage
+//     C = H + [A; carry]ᵀ P [A; carry] = [C_vv ·; C_sv C_ss],   C_vv = L Lᵀ,
+//     P ← C_ss − C_sv C_vv⁻¹ C_vs.
+// A C_vv that is not positive definite is the inertia test's answer: the step would not be a
+// minimiser, and the Hessian must be regularised (Rao, Wright & Rawlings 1998).
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "stage.hpp"
+#include "structure.hpp"
+#include "workspace.hpp"
+
+namespace skyknot::inline SKYKNOT_ISA {
+
+class Riccati {
+public:
+    Riccati(const Structure& structure, bool elastic);
+
+    const StageLayout& layout() const { return layout_; }
+    double* stage(int k) { return stages_.get() + static_cast<std::size_t>(k) * layout_.size(); }
+    const double* stage(int k) const {
+        return stages_.get() + static_cast<std::size_t>(k) * layout_.size();
+    }
+    // Terminal Hessian, (sp, ns) column-major; filled by the caller before `factor`.
+    double* terminal() { return P(N_); }
+    // Columns of the first stage state that are fixed.
+    std::vector<char> fixed_first;
+
+    // False when a pivot is not positive: the stage where it happened is in `failed_stage`.
+    bool factor();
+    int failed_stage = -1;
+
+    // One right-hand side: stage k at [k vector_size], and the terminal gradient (sp).
+    struct RightSide {
+        Workspace stages, terminal;
+        Workspace p;       // (N + 1, sp), by `backward`
+        Workspace y;       // (N, vp), by `backward`
+        Workspace w;       // (N, wp) and s_N in (sp), by `forward`
+        Workspace last;
+        Workspace costate; // (N + 1, sp): P s + p, by `forward`
+    };
+    RightSide right_side() const;
+    void backward(RightSide& right) const;
+    void forward(RightSide& right) const;
+
+    // Feedback gains of the first nu controls of stage k in x_k, (nu, nx) row-major.
+    void gains(int k, double* K) const;
+
+private:
+    double* P(int k) { return P_.get() + static_cast<std::size_t>(k * layout_.sp * layout_.ns); }
+    const double* P(int k) const {
+        return P_.get() + static_cast<std::size_t>(k * layout_.sp * layout_.ns);
+    }
+    double* L(int k) { return L_.get() + static_cast<std::size_t>(k * layout_.wp * layout_.nv); }
+    const double* L(int k) const {
+        return L_.get() + static_cast<std::size_t>(k * layout_.wp * layout_.nv);
+    }
+    bool factor_stage(int k);
+    bool factor_first();
+
+    Structure structure_;
+    StageLayout layout_;
+    int N_;
+    Workspace stages_, P_, L_, inverse_;  // inverse_: 1 / L_ii, (N, vp)
+    Workspace M_, C_;
+    std::vector<double> first_;           // Cholesky factor over the free part of s_0
+    std::vector<int> free_;
+};
+
+}  // namespace skyknot::inline SKYKNOT_ISA

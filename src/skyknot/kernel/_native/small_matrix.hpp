@@ -1,0 +1,54 @@
+// Products of small column-major matrices with rows padded to eight, kept in registers.
+#pragma once
+
+#include "vector8.hpp"
+
+namespace skyknot::inline SKYKNOT_ISA {
+
+// C(:, j) += sign Σ_l A(:, l) B(l, j) for R vectors of eight rows and J columns.
+template <int R, int J>
+[[gnu::always_inline]] inline void block(const double* A, int lda, const double* B, int b_row,
+                                         int b_column, double* C, int ldc, int depth, double sign) {
+    Vector8 sum[R][J];
+    for (int r = 0; r < R; ++r)
+        for (int j = 0; j < J; ++j) sum[r][j] = Vector8{};
+    for (int l = 0; l < depth; ++l) {
+        Vector8 a[R];
+        for (int r = 0; r < R; ++r) a[r] = load8(A + l * lda + 8 * r);
+        for (int j = 0; j < J; ++j) {
+            const Vector8 b = broadcast8(B[l * b_row + j * b_column]);
+            for (int r = 0; r < R; ++r) sum[r][j] += a[r] * b;
+        }
+    }
+    for (int j = 0; j < J; ++j)
+        for (int r = 0; r < R; ++r) {
+            double* c = C + j * ldc + 8 * r;
+            store8(c, load8(c) + sign * sum[r][j]);
+        }
+}
+
+template <int R>
+inline void columns(const double* A, int lda, const double* B, int b_row, int b_column, double* C,
+                    int ldc, int depth, int count, double sign) {
+    constexpr int J = R >= 3 ? 4 : 6;
+    int j = 0;
+    for (; j + J <= count; j += J)
+        block<R, J>(A, lda, B + j * b_column, b_row, b_column, C + j * ldc, ldc, depth, sign);
+    for (; j + 2 <= count; j += 2)
+        block<R, 2>(A, lda, B + j * b_column, b_row, b_column, C + j * ldc, ldc, depth, sign);
+    for (; j < count; ++j)
+        block<R, 1>(A, lda, B + j * b_column, b_row, b_column, C + j * ldc, ldc, depth, sign);
+}
+
+// C += sign A B: A (rows, depth) with leading dimension lda, B read at [l b_row + j b_column],
+// C (rows, count). `rows` is a multiple of eight.
+inline void multiply_add(const double* A, int lda, const double* B, int b_row, int b_column,
+                         double* C, int ldc, int rows, int depth, int count, double sign = 1.0) {
+    int r = 0;
+    for (; rows - r >= 24; r += 24)
+        columns<3>(A + r, lda, B, b_row, b_column, C + r, ldc, depth, count, sign);
+    if (rows - r == 16) columns<2>(A + r, lda, B, b_row, b_column, C + r, ldc, depth, count, sign);
+    if (rows - r == 8) columns<1>(A + r, lda, B, b_row, b_column, C + r, ldc, depth, count, sign);
+}
+
+}  // namespace skyknot::inline SKYKNOT_ISA

@@ -1,0 +1,300 @@
+"""A program as the native room wants it: scaled, in rows, with its tapes.
+
+Legend: as in program.py; a tilde-free name here is scaled: z = S z̃, F̃ = F / S_x, g̃ = g / s_g,
+objective σ f. One row holds one quantity of all segments (or nodes).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from skyknot.kernel import native
+from skyknot.kernel.program import Multipliers, Program
+from skyknot.kernel.tape import Tape
+
+Array = NDArray[np.float64]
+Offsets = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Tapes:
+    """The tapes of a program and the sparsity they write.
+
+    Attributes
+    ----------
+    value : (x, u, q, τ) → (L, F, g); full : (x, u, q, τ, c, ν, y) → L, F, g, ∂L, ∂F, ∂g, H;
+    terminal : (x, q) → M, ∂M, ∂²M; patterns : rows and columns of the non-zeros
+    """
+
+    value: Tape
+    full: Tape
+    terminal: Tape
+    patterns: dict[str, list[int]]
+
+
+def tapes(program: Program, path_scale: Array) -> Tapes:
+    """Return the scaled tapes of a program."""
+    nx, nu, nq, ng = program.sizes
+    S_x, S_u, S_q = _scales(program)
+    x, u, q, tau = (ca.SX.sym(n, k) for n, k in (("x", nx), ("u", nu), ("q", nq), ("tau", 1)))
+    L, F, g = program.point(x * S_x, u * S_u, q * S_q if nq else q, tau)
+    F, g = ca.densify(F) / S_x, ca.densify(g) / path_scale if ng else g
+    y = ca.vertcat(x, u, q)
+    c, nu_F, nu_g = ca.SX.sym("c"), ca.SX.sym("nu", nx), ca.SX.sym("y", ng)
+    JL, JF, Jg = ca.gradient(L, y), ca.jacobian(F, y), ca.jacobian(g, y)
+    H = ca.tril(ca.hessian(c * L + ca.dot(nu_F, F) + (ca.dot(nu_g, g) if ng else 0), y)[0])
+    value = _function("value", [x, u, q, tau], [ca.densify(L), F, g])
+    full = _function("full", [x, u, q, tau, c, nu_F, nu_g], [ca.densify(L), F, g, JL, JF, Jg, H])
+    M = program.terminal(x * S_x, q * S_q if nq else q)
+    end = ca.vertcat(x, q)
+    HM, JM = ca.hessian(M, end)
+    terminal = _function("terminal", [x, q], [ca.densify(e) for e in (M, JM, HM)])
+    patterns = {"gradient": JL.sparsity().get_triplet()[0]}
+    for name, matrix in (("JF", JF), ("Jg", Jg), ("H", H)):
+        patterns[f"{name}_row"], patterns[f"{name}_column"] = matrix.sparsity().get_triplet()
+    return Tapes(Tape(value), Tape(full), Tape(terminal), patterns)
+
+
+def _function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
+    return ca.Function(name, inputs, ca.cse(outputs))
+
+
+def _scales(program: Program) -> tuple[Array, Array, Array]:
+    layout, scales = program.layout, program.scales
+    return (
+        scales[layout.states_at(layout.state[0, :1])[0]],
+        scales[layout.controls_at(layout.control[0, :1])[0]],
+        scales[layout.global_positions],
+    )
+
+
+class Rows:
+    """Translates a program, its unknowns and its multipliers to rows and back."""
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        layout, N = program.layout, program.segments
+        nx, nu, nq, ng = program.sizes
+        self.N, s, m = N, layout.state.shape[1], layout.control.shape[1]
+        own = m - 1 if program.shared else m
+        self.S_x, self.S_u, self.S_q = _scales(program)
+        self.positions = np.full(((s - 1) * nx + own * nu, N + 1), -1, dtype=np.intp)
+        for j in range(s - 1):
+            self.positions[j * nx : (j + 1) * nx, :N] = layout.states_at(layout.state[:, j]).T
+        self.positions[:nx, N] = layout.states_at(layout.state[-1, -1:])[0]
+        for c in range(own):
+            rows = slice((s - 1) * nx + c * nu, (s - 1) * nx + (c + 1) * nu)
+            self.positions[rows, :N] = layout.controls_at(layout.control[:, c]).T
+        if program.shared:
+            rows = slice((s - 1) * nx, (s - 1) * nx + nu)
+            self.positions[rows, N] = layout.controls_at(layout.control[-1, -1:])[0]
+        self.scale = np.concatenate([np.tile(self.S_x, s - 1), np.tile(self.S_u, own)])
+        n_used = len(program.used)
+        self.classes = [program.segment_points[:, c] for c in range(n_used - program.shared)]
+        if program.shared:
+            self.classes[0] = np.append(self.classes[0], program.segment_points[-1, -1])
+        self.rates = _RateTypes(program, self.S_u)
+        self.path_scale = np.ones(ng)
+        self.objective_scale = 1.0
+
+    def structure(self, patterns: dict[str, list[int]]) -> dict[str, Any]:
+        """Return sizes, scheme and sparsity for the native constructor."""
+        program = self.program
+        nx, nu, nq, ng = program.sizes
+        return {
+            "nx": nx, "nu": nu, "nq": nq, "ng": ng, "N": self.N,
+            "s": program.layout.state.shape[1], "m": program.layout.control.shape[1],
+            "shared": bool(program.shared), "carry": bool(self.rates.carry),
+            "free_duration": program.duration is None,
+            "used": [int(j) for j in program.used],
+            "C": program.C.ravel().tolist(), "A": program.A.ravel().tolist(),
+            "W": program.control_weights.ravel().tolist(),
+            **{name: [int(i) for i in entries] for name, entries in patterns.items()},
+            "rate_control": self.rates.control, "rate_weights": self.rates.weights,
+        }  # fmt: skip
+
+    def to_rows(self, z: Array, fill: float = 0.0) -> Array:
+        """Return (rows, N+1) entries of a vector like z; ``fill`` where a row has no entry."""
+        return np.where(self.positions >= 0, z[self.positions], fill)
+
+    def data(self, z: Array) -> dict[str, Any]:
+        """Return bounds, start and scales for the native solve."""
+        program, layout = self.program, self.program.layout
+        scale = self.scale[:, None]
+        lower = self.to_rows(program.lower, -np.inf) / scale
+        upper = self.to_rows(program.upper, np.inf) / scale
+        pinned = (lower == upper) & (self.positions >= 0)
+        nx = layout.nx
+        fixed_first = pinned[:nx, 0].copy()
+        lower[pinned], upper[pinned] = -np.inf, np.inf
+        pinned[:nx, 0] = False
+        self.pins = np.argwhere(pinned)
+        self.fixed_first = fixed_first
+        q = layout.global_positions
+        cost = program.point_cost * self.objective_scale
+        bounds = [
+            [
+                np.ascontiguousarray(side[points].T / self.path_scale[:, None])
+                for points in self.classes
+            ]
+            for side in (program.path_lower, program.path_upper)
+        ]
+        return {
+            "z": self.to_rows(z) / scale,
+            "lower": lower,
+            "upper": upper,
+            "scale": np.repeat(scale, self.N + 1, axis=1),
+            "q": (z[q] / self.S_q).tolist(),
+            "q_lower": (program.lower[q] / self.S_q).tolist(),
+            "q_upper": (program.upper[q] / self.S_q).tolist(),
+            "q_scale": self.S_q.tolist(),
+            "defect_scale": self.S_x.tolist(),
+            "objective_scale": self.objective_scale,
+            "length": np.vstack([program.fractions, self.rates.coefficients(self.S_q)]),
+            "time": [np.ascontiguousarray(program.point_time[None, p]) for p in self.classes],
+            "cost": [np.ascontiguousarray(cost[None, p]) for p in self.classes],
+            "path_lower": bounds[0],
+            "path_upper": bounds[1],
+            "path_unscale": self.path_scale.tolist(),
+            "rate_lower": self.rates.lower,
+            "rate_upper": self.rates.upper,
+            "rate_unscale": self.rates.scale.tolist(),
+            "pin_row": self.pins[:, 0].tolist(),
+            "pin_k": self.pins[:, 1].tolist(),
+            "fixed_first": fixed_first.astype(int).tolist(),
+        }
+
+    def unknowns(self, result: dict[str, Any]) -> Array:
+        """Return z of a native result."""
+        z = self.program.start.copy()
+        here = self.positions >= 0
+        z[self.positions[here]] = (result["z"] * self.scale[:, None])[here]
+        z[self.program.layout.global_positions] = np.asarray(result["q"]) * self.S_q
+        return np.clip(z, self.program.lower, self.program.upper)
+
+    def multipliers(self, result: dict[str, Any]) -> Multipliers:
+        """Return the multipliers of a native result, unscaled."""
+        program, sigma = self.program, self.objective_scale
+        nx = program.layout.nx
+        m = program.empty_multipliers()
+        rows = result["lambda"].reshape(len(program.C), nx, self.N)
+        m.defects[:] = rows.transpose(2, 0, 1) / (sigma * self.S_x)
+        here = self.positions >= 0
+        bounds = (result["zu"] - result["zl"]) / (sigma * self.scale[:, None])
+        m.bounds[self.positions[here]] = bounds[here]
+        q = np.asarray(result["q_zu"]) - np.asarray(result["q_zl"])
+        m.bounds[program.layout.global_positions] = q / (sigma * self.S_q)
+        for points, y in zip(self.classes, result["y"][:-1], strict=True):
+            m.path[points] = y.T / (sigma * self.path_scale)
+        self.rates.add_multipliers(result["y"][-1] / sigma, m.rates)
+        return m
+
+    def warm(self, m: Multipliers) -> dict[str, Any]:
+        """Return multipliers as the native solve wants them."""
+        sigma, program = self.objective_scale, self.program
+        bounds = self.to_rows(m.bounds) * sigma * self.scale[:, None]
+        lower, upper = self.to_rows(program.lower, -np.inf), self.to_rows(program.upper, np.inf)
+        free = lower != upper
+        q = m.bounds[program.layout.global_positions] * sigma * self.S_q
+        least = 1e-8
+        pins = [float(bounds[row, k]) for row, k in self.pins]
+        return {
+            "lambda": np.ascontiguousarray(
+                (m.defects * sigma * self.S_x).transpose(1, 2, 0).reshape(-1, self.N)
+            ),
+            "zl": np.where(free & np.isfinite(lower), np.maximum(-bounds, least), 0.0),
+            "zu": np.where(free & np.isfinite(upper), np.maximum(bounds, least), 0.0),
+            "q_zl": np.maximum(-q, least).tolist(),
+            "q_zu": np.maximum(q, least).tolist(),
+            "pin_multipliers": pins,
+            "y": [
+                np.ascontiguousarray((m.path[points] * sigma * self.path_scale).T)
+                for points in self.classes
+            ]
+            + [self.rates.take_multipliers(m.rates) * sigma],
+        }
+
+
+class _RateTypes:
+    """The rate rows grouped by kind: one row of N entries for each control and place."""
+
+    def __init__(self, program: Program, S_u: Array) -> None:
+        rows, N = program.rates, program.segments
+        self.program = program
+        self.held = len(program.control_points) == 1
+        entries = N - 1 if self.held else N
+        self.types = len(rows.length) // entries if entries else 0
+        self.carry = self.held and self.types > 0
+        first = 1 if self.held else 0
+        self.index = np.full((self.types, N), -1, dtype=np.intp)
+        if self.types:
+            self.index[:, first:] = np.arange(len(rows.length)).reshape(entries, self.types).T
+        names = list(program.control_names)
+        kinds = [int(self.index[i, -1]) for i in range(self.types)]
+        one = [(i, names.index(rows.names[kind])) for i, kind in enumerate(kinds)]
+        self.free = program.duration is None
+        sides = ("upper", "lower") if self.free else ("both",)
+        self.rows = [(i, control, side) for i, control in one for side in sides]
+        self.control = [control for _, control, _ in self.rows]
+        here = self.index >= 0
+        self.scale = np.ones(len(self.rows))
+        self.weights = []
+        self.lower = np.full((len(self.rows), N), -np.inf)
+        self.upper = np.full((len(self.rows), N), np.inf)
+        T = program.duration or 0.0
+        for r, (i, control, side) in enumerate(self.rows):
+            weights = rows.weights[kinds[i]] * S_u[control]
+            self.scale[r] = np.max(np.abs(weights))
+            self.weights.append((weights / self.scale[r]).tolist())
+            at = self.index[i][here[i]]
+            if side == "both":
+                self.lower[r, here[i]] = rows.lower[at] * rows.length[at] * T / self.scale[r]
+                self.upper[r, here[i]] = rows.upper[at] * rows.length[at] * T / self.scale[r]
+            elif side == "upper" and np.isfinite(rows.upper[kinds[i]]):
+                self.upper[r, here[i]] = 0.0
+            elif side == "lower" and np.isfinite(rows.lower[kinds[i]]):
+                self.lower[r, here[i]] = 0.0
+
+    def coefficients(self, S_q: Array) -> Array:
+        """Return (rows, N): coefficient of the scaled duration, −bound · length."""
+        N, rates = self.program.segments, self.program.rates
+        values = np.zeros((len(self.rows), N))
+        if self.free:
+            for r, (i, _, side) in enumerate(self.rows):
+                at = self.index[i][self.index[i] >= 0]
+                bound = getattr(rates, side)[at]
+                bound = np.where(np.isfinite(bound), bound, 0.0)
+                values[r, self.index[i] >= 0] = -bound * rates.length[at] * S_q[0] / self.scale[r]
+        return values
+
+    def add_multipliers(self, y: Array, out: Array) -> None:
+        """Add the rows' multipliers, (rows, N), to the program's rate multipliers."""
+        for r, (i, _, _) in enumerate(self.rows):
+            here = self.index[i] >= 0
+            out[self.index[i][here]] += y[r, here] / self.scale[r]
+
+    def take_multipliers(self, rates: Array) -> Array:
+        """Return (rows, N) multipliers from the program's."""
+        y = np.zeros((len(self.rows), self.program.segments))
+        for r, (i, _, side) in enumerate(self.rows):
+            here = self.index[i] >= 0
+            values = rates[self.index[i][here]] * self.scale[r]
+            clipped = {
+                "both": values,
+                "upper": np.maximum(values, 0),
+                "lower": np.minimum(values, 0),
+            }
+            y[r, here] = clipped[side]
+        return y
+
+
+def native_solver(structure: dict[str, Any], made: Tapes) -> Any:
+    """Return the native interior point of one structure."""
+    return native.InteriorPoint(
+        structure, made.value.native, made.full.native, made.terminal.native
+    )

@@ -1,0 +1,122 @@
+"""The kernel's interior point behind the solver contract."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skyknot.kernel.evaluation import complete_fixed
+from skyknot.kernel.program import Multipliers, Program
+from skyknot.kernel.rows import Rows, native_solver, tapes
+from skyknot.solvers.base import Callback, IterationRecord, SolverResult
+from skyknot.solvers.blame import worst_violation
+from skyknot.status import Status
+
+Array = NDArray[np.float64]
+
+_OUTCOMES = (
+    Status.SOLVED,
+    Status.ACCEPTABLE,
+    Status.INFEASIBLE,
+    Status.ITERATION_LIMIT,
+    Status.TIME_LIMIT,
+    Status.EVALUATION_ERROR,
+    Status.STALLED,
+    Status.INTERRUPTED,
+)
+
+
+@dataclass(frozen=True)
+class InteriorPoint:
+    """Settings of the structure-exploiting interior point.
+
+    Parameters
+    ----------
+    max_iterations : stop after this many iterations
+    max_seconds : stop after this much time, s
+    barrier_start : first barrier parameter, in the scaled objective
+    refinements : most refinement steps of a linear solve
+    push : how far inside its bounds the start is moved, relative
+    """
+
+    max_iterations: int = 1000
+    max_seconds: float = 600.0
+    barrier_start: float = 0.1
+    refinements: int = 3
+    push: float = 1e-2
+    name: str = "interior-point"
+
+    def solve(
+        self,
+        program: Program,
+        tolerance: float,
+        multipliers: Multipliers | None = None,
+        callback: Callback | None = None,
+    ) -> SolverResult:
+        """Solve the program to ``tolerance``; see Solver."""
+        return Prepared(program).solve(self, program.start, tolerance, multipliers, callback)
+
+
+class Prepared:
+    """A program made ready: tapes, sparsity and workspace, to be solved many times."""
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.rows = Rows(program)
+        made = tapes(program, self.rows.path_scale)
+        self.native = native_solver(self.rows.structure(made.patterns), made)
+
+    def solve(
+        self,
+        settings: InteriorPoint,
+        z: Array,
+        tolerance: float,
+        multipliers: Multipliers | None = None,
+        callback: Callback | None = None,
+    ) -> SolverResult:
+        """Solve from z."""
+        data = self.rows.data(z)
+        options: dict[str, Any] = {
+            "tolerance": tolerance,
+            "max_iterations": settings.max_iterations,
+            "max_seconds": settings.max_seconds,
+            "barrier_start": settings.barrier_start,
+            "push": settings.push,
+            "refinements": settings.refinements,
+            "acceptable_factor": 100.0,
+            "warm": multipliers is not None,
+            "interruptible": True,
+        }
+        if multipliers is not None:
+            data |= self.rows.warm(multipliers)
+            options |= {"barrier_start": 1e-6, "push": 1e-8}
+        raw = self.native.solve(data, options, _watch(callback))
+        return self._result(raw)
+
+    def _result(self, raw: dict[str, Any]) -> SolverResult:
+        status = _OUTCOMES[raw["outcome"]]
+        z = self.rows.unknowns(raw)
+        multipliers = self.rows.multipliers(raw)
+        complete_fixed(self.program, z, multipliers)
+        nx, nu, _, _ = self.program.sizes
+        counts = ("factorisations", "solves", "value_runs", "full_runs", "restorations")
+        return SolverResult(
+            z=z,
+            multipliers=multipliers,
+            status=status,
+            iterations=int(raw["iterations"]),
+            history=tuple(IterationRecord(i, *row) for i, row in enumerate(raw["history"])),
+            work={name: int(raw[name]) for name in counts},
+            detail="" if status.success else worst_violation(self.program, z),
+            gains=np.asarray(raw["gains"]).reshape(-1, nu, nx),
+            barrier=float(raw["barrier"]),
+        )
+
+
+def _watch(callback: Callback | None) -> Any:
+    if callback is None:
+        return None
+    return lambda *row: callback(IterationRecord(*row))

@@ -1,0 +1,27 @@
+"""The kernel's interior point finds Ipopt's optimum of the same program."""
+
+import numpy as np
+import pytest
+
+import skyknot as sk
+from skyknot import missions
+
+
+@pytest.mark.parametrize("name", ["report_transfer", "report_transfer_constrained", "minimum_time"])
+def test_own_solver_finds_the_optimum_of_ipopt(name: str) -> None:
+    mission = missions.load(name)
+    settings = mission.settings() | {"tolerance": 1e-7}
+    ours = sk.solve(mission.problem, **(settings | {"solver": "interior-point"}))
+    theirs = sk.solve(mission.problem, **(settings | {"solver": "ipopt"}))
+    assert ours.success
+    assert theirs.success
+    assert ours.objective == pytest.approx(theirs.objective, rel=1e-6)
+
+
+def test_states_agree_where_the_optimum_is_unique() -> None:
+    mission = missions.load("report_transfer")
+    settings = mission.settings() | {"tolerance": 1e-8}
+    ours = sk.solve(mission.problem, **(settings | {"solver": "interior-point"}))
+    theirs = sk.solve(mission.problem, **(settings | {"solver": "ipopt"}))
+    np.testing.assert_allclose(ours.states, theirs.states, atol=1e-4)
+    assert ours.kkt_residual < 1e-6
