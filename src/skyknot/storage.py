@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import zipfile
+import zlib
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -20,6 +22,18 @@ from skyknot.trajectory import SegmentData, Trajectory
 Array = NDArray[np.float64]
 
 FORMAT = "skyknot solution 1"
+# What reading a damaged file raises, down to its zip archive (encryption is a RuntimeError there).
+_DAMAGE = (
+    OSError,
+    EOFError,
+    ValueError,
+    LookupError,
+    TypeError,
+    AttributeError,
+    RuntimeError,
+    zipfile.BadZipFile,
+    zlib.error,
+)
 _SEGMENTS = tuple(SegmentData.__dataclass_fields__)
 _MULTIPLIERS = ("defects", "path", "rates", "bounds")
 
@@ -55,7 +69,7 @@ def load(path: str | Path) -> Solution:
     """
     path = Path(path)
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in stored.files}
         metadata = json.loads(str(arrays["metadata"]))
         if metadata.get("format") != FORMAT:
@@ -63,7 +77,7 @@ def load(path: str | Path) -> Solution:
         return _solution(arrays, metadata)
     except FileNotFoundError as error:
         raise _unreadable(path, "no such file") from error
-    except (OSError, EOFError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
+    except _DAMAGE as error:
         raise _unreadable(path, f"{type(error).__name__}: {error}") from error
 
 
@@ -107,7 +121,8 @@ def replace_file(path: Path, write: Any) -> None:
             do="Choose another place, or free some space; an earlier file there is untouched.",
         ) from error
     finally:
-        part.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            part.unlink()
 
 
 def _write_npz(part: Path, arrays: dict[str, Any]) -> None:
@@ -135,7 +150,7 @@ def _solution(arrays: dict[str, Any], metadata: dict[str, Any]) -> Solution:
     for name in ("state_units", "control_units"):
         record[name] = tuple(record[name])
     segments = None
-    if "segment_rates" in arrays:
+    if any(name.startswith("segment_") for name in arrays):
         segments = SegmentData(**{name: arrays[f"segment_{name}"] for name in _SEGMENTS})
     return Solution(
         status=Status(metadata["status"]),
