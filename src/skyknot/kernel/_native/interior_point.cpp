@@ -61,7 +61,7 @@ Outcome InteriorPoint::solve(const Settings& settings,
         // ---- where we stand -------------------------------------------------------------
         differentiate();
         gradients();
-        const Errors e = errors(0.0);
+        const Errors e = errors();
         record(e);
         if (watch && watch(history.back())) return Outcome::interrupted;
         if (e.total <= settings.tolerance) return Outcome::solved;
@@ -69,7 +69,7 @@ Outcome InteriorPoint::solve(const Settings& settings,
         if (iterations >= settings.max_iterations) return give_up(e, acceptable, Outcome::iterations);
         if (seconds() > settings.max_seconds) return give_up(e, acceptable, Outcome::seconds);
         // ---- barrier --------------------------------------------------------------------
-        while (update_barrier(floor)) {}
+        while (update_barrier(e, floor)) {}
         // ---- direction ------------------------------------------------------------------
         if (!factor()) {
             if (!restore()) return give_up(e, acceptable, Outcome::stalled);
@@ -273,21 +273,24 @@ double InteriorPoint::multiplier_scale() const {
 }
 
 // Residuals in the user's units; `total` divides by the size of the multipliers as in (5)–(6).
-InteriorPoint::Errors InteriorPoint::errors(double mu) const {
+InteriorPoint::Errors InteriorPoint::errors() const {
     Errors e{0.0, 0.0, 0.0, 0.0};
-    for (int r = 0; r < S_.v_rows(); ++r)
-        for (int k = 0; k < S_.count(r); ++k) {
-            const double g = lagrangian_.row(r)[k] + zu.row(r)[k] - zl.row(r)[k];
-            const bool first = r < S_.nx && k == 0 && newton.fixed_first(r);
-            if (!first) e.dual = std::max(e.dual, std::abs(g) / scale.row(r)[k]);
-        }
+    for (int r = 0; r < S_.v_rows(); ++r) {
+        const double *g = lagrangian_.row(r), *u = zu.row(r), *l = zl.row(r);
+        double most = 0.0;
+        for (int k = r < S_.nx && newton.fixed_first(r) ? 1 : 0; k < S_.count(r); ++k)
+            most = std::max(most, std::abs(g[k] + u[k] - l[k]));
+        e.dual = std::max(e.dual, most / scale.row(r)[0]);
+    }
     for (int i = 0; i < S_.nq; ++i)
         e.dual = std::max(e.dual, std::abs(q_lagrangian_[at(i)] + q_zu[at(i)] - q_zl[at(i)]) /
                                       q_scale[at(i)]);
-    for (int i = 0; i < defect_.rows(); ++i)
-        for (int k = 0; k < S_.N; ++k)
-            e.primal = std::max(e.primal,
-                                std::abs(defect_.row(i)[k]) * defect_scale[at(i % S_.nx)]);
+    for (int i = 0; i < defect_.rows(); ++i) {
+        const double* d = defect_.row(i);
+        double most = 0.0;
+        for (int k = 0; k < S_.N; ++k) most = std::max(most, std::abs(d[k]));
+        e.primal = std::max(e.primal, most * defect_scale[at(i % S_.nx)]);
+    }
     for (std::size_t g = 0; g < groups.size(); ++g)
         for (int i = 0; i < groups[g].value.rows(); ++i)
             for (int k = 0; k < groups[g].count; ++k) {
@@ -299,24 +302,22 @@ InteriorPoint::Errors InteriorPoint::errors(double mu) const {
                 e.dual = std::max(e.dual, free * std::abs(dual) / group.unscale[at(i)]);
             }
     for (const Bounded& b : bounded_)
-        e.complementarity = std::max(e.complementarity, b.box.complementarity(mu));
+        e.complementarity = std::max(e.complementarity, b.box.complementarity(0.0));
     e.dual /= objective_scale, e.complementarity /= objective_scale;
-    const double size = multiplier_scale();
-    e.total = std::max({e.dual / size, e.primal, e.complementarity / size});
+    e.size = multiplier_scale();
+    e.total = std::max({e.dual / e.size, e.primal, e.complementarity / e.size});
     return e;
 }
 
-// E_μ of (5), in scaled quantities.
-double InteriorPoint::barrier_error() const {
-    const Errors e = errors(barrier);
-    const double size = multiplier_scale();
-    return std::max({e.dual * objective_scale / size, e.primal,
-                     e.complementarity * objective_scale / size});
-}
-
 // (7): lower the barrier once its problem is solved well enough; true when it was lowered.
-bool InteriorPoint::update_barrier(double floor) {
-    if (barrier <= floor || barrier_error() > kappa_epsilon * barrier) return false;
+bool InteriorPoint::update_barrier(const Errors& e, double floor) {
+    if (barrier <= floor) return false;
+    double complementarity = 0.0;
+    for (const Bounded& b : bounded_)
+        complementarity = std::max(complementarity, b.box.complementarity(barrier));
+    const double error = std::max(
+        {e.dual * objective_scale / e.size, e.primal, complementarity / e.size});  // E_μ of (5)
+    if (error > kappa_epsilon * barrier) return false;
     barrier = std::max(floor, std::min(kappa_mu * barrier, std::pow(barrier, theta_mu)));
     now_ = merit(false);
     filter_.reset(1e4 * std::max(1.0, theta_start_));

@@ -78,6 +78,7 @@ private:
     struct Errors {
         double dual, primal, complementarity;  // unscaled
         double total;                          // what is compared with the tolerance
+        double size = 1.0;                     // of the multipliers, s_d of (6)
     };
     // A Box with its place in the trial point and in the Hessian's diagonal.
     struct Bounded {
@@ -95,10 +96,9 @@ private:
     double row_residual(std::size_t group, int row, int k, bool trial) const;
     void differentiate();
     void gradients();
-    Errors errors(double mu) const;
-    double barrier_error() const;
+    Errors errors() const;
     double multiplier_scale() const;
-    bool update_barrier(double floor);
+    bool update_barrier(const Errors& e, double floor);
     bool factor();
     void assemble(double mu);
     void solve_step();

@@ -215,6 +215,15 @@ void bind_interior_point(nb::module_& module) {
                  new (place) Bound{std::move(S), std::move(solver)};
              },
              nb::keep_alive<1, 3>(), nb::keep_alive<1, 4>(), nb::keep_alive<1, 5>())
+        .def("elimination_work",
+             [](const Bound& self) {
+                 const Elimination& e = self.solver->newton.elimination();
+                 return std::vector<std::size_t>{e.factor.multiplications(),
+                                                 e.reduce.multiplications(),
+                                                 e.expand.multiplications(), e.segment_rows,
+                                                 e.factor.slots(), e.matrix_entries};
+             },
+             "Multiply-adds a segment of factor, reduce and expand; rows kept; slots; entries.")
         .def("solve", &solve, nb::arg("data"), nb::arg("options"),
              nb::arg("callback") = nb::none());
 }

@@ -1,16 +1,56 @@
 #include "micro_program.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include "vector8.hpp"
 
 namespace skyknot::inline SKYKNOT_ISA {
 
-// Code of one instruction: kind | terms << 3, then result, then what the kind needs. Slots are
-// written as offsets in doubles.
+// Code: a run is [kind | terms << 4, length] followed by `length` instructions of that shape, each
+// [result, start (when it has one), pairs of factors …]. Slots are offsets in doubles.
 namespace {
+
 constexpr std::uint32_t none = UINT32_MAX;
+
+template <bool subtract, bool start, std::uint32_t count>
+[[gnu::always_inline]] inline const std::uint32_t* dots(const std::uint32_t* at, std::uint32_t length,
+                                                        double* w, std::uint32_t terms) {
+    const std::uint32_t n = count == 0 ? terms : count;
+    for (std::uint32_t i = 0; i < length; ++i) {
+        double* const result = w + *at++;
+        Vector8 sum = start ? load8(w + *at++) : Vector8{};
+        for (std::uint32_t t = 0; t < n; ++t, at += 2) {
+            const Vector8 product_a = load8(w + at[0]), product_b = load8(w + at[1]);
+            if constexpr (subtract) sum -= product_a * product_b;
+            else sum += product_a * product_b;
+        }
+        store8(result, sum);
+    }
+    return at;
 }
+
+template <bool subtract, bool start>
+inline const std::uint32_t* run_dots(const std::uint32_t* at, std::uint32_t length, double* w,
+                                     std::uint32_t terms) {
+    switch (terms) {
+        case 1: return dots<subtract, start, 1>(at, length, w, terms);
+        case 2: return dots<subtract, start, 2>(at, length, w, terms);
+        case 3: return dots<subtract, start, 3>(at, length, w, terms);
+        case 4: return dots<subtract, start, 4>(at, length, w, terms);
+        case 5: return dots<subtract, start, 5>(at, length, w, terms);
+        case 6: return dots<subtract, start, 6>(at, length, w, terms);
+        case 7: return dots<subtract, start, 7>(at, length, w, terms);
+        case 8: return dots<subtract, start, 8>(at, length, w, terms);
+        case 9: return dots<subtract, start, 9>(at, length, w, terms);
+        case 10: return dots<subtract, start, 10>(at, length, w, terms);
+        case 11: return dots<subtract, start, 11>(at, length, w, terms);
+        case 12: return dots<subtract, start, 12>(at, length, w, terms);
+        default: return dots<subtract, start, 0>(at, length, w, terms);
+    }
+}
+
+}  // namespace
 
 void MicroProgram::run(const double* const* sources, double* const* targets, const double* scalars,
                        std::ptrdiff_t first, double* w) const {
@@ -18,46 +58,30 @@ void MicroProgram::run(const double* const* sources, double* const* targets, con
     const std::uint32_t* at = code_.data();
     const std::uint32_t* const end = at + code_.size();
     while (at != end) {
-        const std::uint32_t head = *at++;
-        const std::uint32_t kind = head & 7u, count = head >> 3;
-        switch (kind) {
-            case 0: {  // load: result, buffer, offset
-                store8(w + at[0], load8(sources[at[1]] + at[2] + first));
-                at += 3;
+        const std::uint32_t head = at[0], length = at[1], terms = head >> 4;
+        at += 2;
+        switch (static_cast<Builder::Kind>(head & 15u)) {
+            case Builder::load:
+                for (std::uint32_t i = 0; i < length; ++i, at += 3)
+                    store8(w + at[0], load8(sources[at[1]] + at[2] + first));
                 break;
-            }
-            case 1: {  // scalar load: result, index
-                store8(w + at[0], broadcast8(scalars[at[1]]));
-                at += 2;
+            case Builder::scalar_load:
+                for (std::uint32_t i = 0; i < length; ++i, at += 2)
+                    store8(w + at[0], broadcast8(scalars[at[1]]));
                 break;
-            }
-            case 2: {  // result = start + Σ a b
-                Vector8 sum = at[1] == none ? Vector8{} : load8(w + at[1]);
-                const std::uint32_t* term = at + 2;
-                for (std::uint32_t i = 0; i < count; ++i, term += 2)
-                    sum += load8(w + term[0]) * load8(w + term[1]);
-                store8(w + at[0], sum);
-                at = term;
+            case Builder::dot_add: at = run_dots<false, false>(at, length, w, terms); break;
+            case Builder::dot_add_start: at = run_dots<false, true>(at, length, w, terms); break;
+            case Builder::dot_subtract: at = run_dots<true, false>(at, length, w, terms); break;
+            case Builder::dot_subtract_start:
+                at = run_dots<true, true>(at, length, w, terms);
                 break;
-            }
-            case 3: {  // result = start − Σ a b
-                Vector8 sum = at[1] == none ? Vector8{} : load8(w + at[1]);
-                const std::uint32_t* term = at + 2;
-                for (std::uint32_t i = 0; i < count; ++i, term += 2)
-                    sum -= load8(w + term[0]) * load8(w + term[1]);
-                store8(w + at[0], sum);
-                at = term;
+            case Builder::invert:
+                for (std::uint32_t i = 0; i < length; ++i, at += 2)
+                    store8(w + at[0], 1.0 / load8(w + at[1]));
                 break;
-            }
-            case 4: {  // result = 1 / a
-                store8(w + at[0], 1.0 / load8(w + at[1]));
-                at += 2;
-                break;
-            }
-            default: {  // store: value, buffer, offset
-                store8(targets[at[1]] + at[2] + first, load8(w + at[0]));
-                at += 3;
-            }
+            case Builder::store:
+                for (std::uint32_t i = 0; i < length; ++i, at += 3)
+                    store8(targets[at[1]] + at[2] + first, load8(w + at[0]));
         }
     }
 }
@@ -96,7 +120,9 @@ Value Builder::scalar(std::uint32_t index) {
 }
 
 Value Builder::dot(const std::vector<Term>& terms, Value start, bool subtract) {
-    Step step{subtract ? dot_subtract : dot_add, 0, start.id, 0, 0, {}};
+    const Kind plain = subtract ? dot_subtract : dot_add;
+    const Kind started = subtract ? dot_subtract_start : dot_add_start;
+    Step step{start.is_zero() ? plain : started, 0, start.id, 0, 0, {}};
     for (const auto& [a, b] : terms)
         if (!a.is_zero() && !b.is_zero()) step.terms.emplace_back(a.id, b.id);
     if (step.terms.empty()) return start;
@@ -118,14 +144,64 @@ void Builder::output(std::uint32_t target, std::size_t offset, Value value) {
     steps_.push_back({store, -1, value.id, target, static_cast<std::uint32_t>(offset), {}});
 }
 
-MicroProgram Builder::finish() {
-    std::vector<std::size_t> last(static_cast<std::size_t>(values_), 0);
-    const auto touch = [&](std::int32_t id, std::size_t i) {
-        if (id >= 0) last[static_cast<std::size_t>(id)] = i;
+// Steps that something needs, in runs of one shape: always the shape with most steps ready.
+std::vector<std::size_t> Builder::scheduled() const {
+    const auto values = static_cast<std::size_t>(values_);
+    std::vector<std::ptrdiff_t> maker(values, -1);
+    for (std::size_t i = 0; i < steps_.size(); ++i)
+        if (steps_[i].kind != store) maker[static_cast<std::size_t>(steps_[i].result)] =
+            static_cast<std::ptrdiff_t>(i);
+    const auto operands = [&](std::size_t i, auto&& visit) {
+        const auto see = [&](std::int32_t id) {
+            if (id >= 0 && maker[static_cast<std::size_t>(id)] >= 0)
+                visit(static_cast<std::size_t>(maker[static_cast<std::size_t>(id)]));
+        };
+        see(steps_[i].start);
+        for (const auto& [a, b] : steps_[i].terms) see(a), see(b);
+    };
+    std::vector<char> needed(steps_.size(), 0);
+    for (std::size_t i = steps_.size(); i-- > 0;)
+        if (steps_[i].kind == store || needed[i]) {
+            needed[i] = 1;
+            operands(i, [&](std::size_t maker_step) { needed[maker_step] = 1; });
+        }
+    std::vector<std::size_t> waiting(steps_.size(), 0);
+    std::vector<std::vector<std::size_t>> users(steps_.size());
+    std::map<std::uint32_t, std::vector<std::size_t>> ready;
+    const auto shape = [&](std::size_t i) {
+        return static_cast<std::uint32_t>(steps_[i].kind) |
+               static_cast<std::uint32_t>(steps_[i].terms.size()) << 4;
     };
     for (std::size_t i = 0; i < steps_.size(); ++i) {
-        touch(steps_[i].start, i);
-        for (const auto& [a, b] : steps_[i].terms) touch(a, i), touch(b, i);
+        if (!needed[i]) continue;
+        operands(i, [&](std::size_t from) { ++waiting[i], users[from].push_back(i); });
+        if (waiting[i] == 0) ready[shape(i)].push_back(i);
+    }
+    std::vector<std::size_t> order;
+    while (!ready.empty()) {
+        auto best = ready.begin();
+        for (auto it = ready.begin(); it != ready.end(); ++it)
+            if (it->second.size() > best->second.size()) best = it;
+        const std::vector<std::size_t> run = std::move(best->second);
+        ready.erase(best);
+        for (const std::size_t i : run) {
+            order.push_back(i);
+            for (const std::size_t user : users[i])
+                if (--waiting[user] == 0) ready[shape(user)].push_back(user);
+        }
+    }
+    return order;
+}
+
+MicroProgram Builder::finish() {
+    const std::vector<std::size_t> order = scheduled();
+    std::vector<std::size_t> last(static_cast<std::size_t>(values_), 0);
+    const auto touch = [&](std::int32_t id, std::size_t place) {
+        if (id >= 0) last[static_cast<std::size_t>(id)] = place;
+    };
+    for (std::size_t place = 0; place < order.size(); ++place) {
+        touch(steps_[order[place]].start, place);
+        for (const auto& [a, b] : steps_[order[place]].terms) touch(a, place), touch(b, place);
     }
     MicroProgram program;
     std::vector<std::uint32_t> slot(static_cast<std::size_t>(values_), none), free_slots;
@@ -135,31 +211,36 @@ MicroProgram Builder::finish() {
         free_slots.pop_back();
         return reused;
     };
-    const auto of = [&](std::int32_t id) { return id < 0 ? none : slot[static_cast<std::size_t>(id)]; };
+    const auto of = [&](std::int32_t id) { return slot[static_cast<std::size_t>(id)]; };
     for (const auto& [id, value] : constants_) {
-        last[static_cast<std::size_t>(id)] = steps_.size();
+        last[static_cast<std::size_t>(id)] = order.size();
         slot[static_cast<std::size_t>(id)] = take();
         program.constants_.emplace_back(of(id), value);
     }
     std::vector<std::uint32_t>& code = program.code_;
-    for (std::size_t i = 0; i < steps_.size(); ++i) {
-        const Step& step = steps_[i];
-        const auto result = static_cast<std::size_t>(std::max(step.result, 0));
-        const bool dead = step.kind != store && last[result] == 0;
-        if (dead) continue;
-        if (step.kind != store) slot[result] = take();
-        code.push_back(step.kind | static_cast<std::uint32_t>(step.terms.size()) << 3);
-        if (step.kind == load) code.insert(code.end(), {of(step.result), step.buffer, step.offset});
-        if (step.kind == scalar_load) code.insert(code.end(), {of(step.result), step.buffer});
-        if (step.kind == invert) code.insert(code.end(), {of(step.result), of(step.start)});
-        if (step.kind == store) code.insert(code.end(), {of(step.start), step.buffer, step.offset});
-        if (step.kind == dot_add || step.kind == dot_subtract) {
-            code.insert(code.end(), {of(step.result), of(step.start)});
-            for (const auto& [a, b] : step.terms) code.insert(code.end(), {of(a), of(b)});
-            program.multiplications_ += step.terms.size();
+    std::size_t run = 0;
+    std::uint32_t shape = none;
+    for (std::size_t place = 0; place < order.size(); ++place) {
+        const Step& step = steps_[order[place]];
+        const std::uint32_t head = static_cast<std::uint32_t>(step.kind) |
+                                   static_cast<std::uint32_t>(step.terms.size()) << 4;
+        if (head != shape) {
+            shape = head;
+            code.insert(code.end(), {head, 0});
+            run = code.size() - 1;
         }
+        ++code[run];
+        if (step.kind != store) slot[static_cast<std::size_t>(step.result)] = take();
+        if (step.kind == store) code.push_back(of(step.start));
+        else code.push_back(of(step.result));
+        if (step.kind == load || step.kind == store)
+            code.insert(code.end(), {step.buffer, step.offset});
+        else if (step.kind == scalar_load) code.push_back(step.buffer);
+        else if (step.start >= 0) code.push_back(of(step.start));
+        for (const auto& [a, b] : step.terms) code.insert(code.end(), {of(a), of(b)});
+        program.multiplications_ += step.terms.size();
         const auto release = [&](std::int32_t id) {
-            if (id < 0 || last[static_cast<std::size_t>(id)] != i) return;
+            if (id < 0 || last[static_cast<std::size_t>(id)] != place) return;
             std::uint32_t& s = slot[static_cast<std::size_t>(id)];
             if (s != none) free_slots.push_back(s);
             s = none;

@@ -2,6 +2,7 @@
 //
 // A Builder records multiply–add instructions over values; structural zeros and ones vanish while
 // recording, so that what runs is exactly the arithmetic the sparsity pattern leaves. `finish`
+// orders the instructions into runs of one shape, so that the processor predicts every jump, and
 // gives every value a slot of eight lanes, reusing slots whose value is no longer needed.
 #pragma once
 
@@ -64,8 +65,18 @@ public:
 
     MicroProgram finish();
 
+    enum Kind : std::uint32_t {
+        load,
+        scalar_load,
+        dot_add,
+        dot_add_start,
+        dot_subtract,
+        dot_subtract_start,
+        invert,
+        store
+    };
+
 private:
-    enum Kind : std::uint32_t { load, scalar_load, dot_add, dot_subtract, invert, store };
     struct Step {
         Kind kind;
         std::int32_t result, start;
@@ -74,6 +85,7 @@ private:
         std::vector<std::pair<std::int32_t, std::int32_t>> terms;
     };
     Value record(Step step);
+    std::vector<std::size_t> scheduled() const;
 
     std::size_t stride_;
     std::int32_t values_ = 0, one_ = -2;

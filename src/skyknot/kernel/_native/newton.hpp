@@ -58,6 +58,7 @@ public:
 
     Riccati& riccati() { return riccati_; }
     bool fixed_first(int i) const { return riccati_.fixed_first[static_cast<std::size_t>(i)] != 0; }
+    const Elimination& elimination() const { return elimination_; }
     const Tape& terminal_tape() const { return terminal_; }
     Direction direction() const;
 
