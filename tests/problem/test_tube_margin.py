@@ -1,4 +1,4 @@
-"""A tube's margin is never larger than the true one, and nearly the true one along its legs."""
+"""A tube's margin is never larger than the true one, and the tube is nearly as wide as asked."""
 
 from __future__ import annotations
 
@@ -33,10 +33,16 @@ def test_the_margin_is_at_most_the_true_one(x: float, y: float, z: float) -> Non
     assert margin(position) <= true_margin(position) + 1e-9
 
 
-@pytest.mark.parametrize("position", [[0, 0, -30], [150, 20, -60], [300, 45, -30], [0, 0, 0]])
-def test_the_margin_is_within_a_tenth_of_the_radius_along_the_legs(position: list[float]) -> None:
-    at = np.array(position, dtype=float)
-    assert true_margin(at) - margin(at) < 0.1 * RADIUS
+@pytest.mark.parametrize("share", [0.0, 0.5, 0.9])
+@pytest.mark.parametrize("center", [[0, 0, -30], [150, 20, -60], [300, 40, -30], [300, 40, 0]])
+def test_nine_tenths_of_the_radius_are_inside(center: list[float], share: float) -> None:
+    across = np.array([-40.0, 300.0, 0.0]) / np.hypot(300.0, 40.0)
+    assert margin(np.array(center) + share * RADIUS * across) > 0
+
+
+def test_the_margin_of_a_single_leg_is_zero_on_its_wall() -> None:
+    wall = tube("lane", [[0, 0, 0], [100, 0, 0]], RADIUS).function([50, 0, -RADIUS], [])
+    assert float(wall) == pytest.approx(0.0, abs=1e-6 * RADIUS)
 
 
 def test_a_tube_with_one_corner_is_refused() -> None:
