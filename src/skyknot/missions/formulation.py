@@ -205,9 +205,7 @@ def _acceleration(model: Model, g: float, felt: bool, tiny: float, x: Any, u: An
     return ca.sqrt(sum((component / g) ** 2 for component in a) + tiny**2)
 
 
-def _costs(
-    file: MissionFile, vehicle: Vehicle, model: Model, target: Array
-) -> dict[str, Any]:
+def _costs(file: MissionFile, vehicle: Vehicle, model: Model, target: Array) -> dict[str, Any]:
     """Return the cost callables of the Problem."""
     objective, nu = file.objective, len(model.control_names)
     tracking = objective.kind == "tracking"

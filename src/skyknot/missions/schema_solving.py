@@ -73,8 +73,27 @@ class Guess(Section):
 class Verification(Section):
     """Limits of the certificate that differ from the usual ones."""
 
-    limits: dict[str, Positive] = Field(
-        default={}, description="name of a check and its limit, in the check's own unit"
+    feasibility: Positive | None = Field(
+        default=None,
+        description="miss of bounds and equations at the scheme's points [unit or share]",
+    )
+    clearance: Positive | None = Field(
+        default=None, description="how far a length may pass its limit between nodes [m]"
+    )
+    between_nodes: Positive | None = Field(
+        default=None, description="how far other limits may be passed between nodes [share]"
+    )
+    control_excess: Positive | None = Field(
+        default=None, description="how far controls may pass their bounds on average [share]"
+    )
+    dynamics: Positive | None = Field(
+        default=None, description="miss of the equations of motion over a segment [share]"
+    )
+    flight_rms: Positive | None = Field(
+        default=None, description="root mean square miss when flown open loop [state unit]"
+    )
+    arrival: Positive | None = Field(
+        default=None, description="miss of the end when flown open loop [share]"
     )
 
 
@@ -84,4 +103,7 @@ class Outputs(Section):
     trajectory_csv: bool = Field(default=True, description="a table of the nodes, trajectory.csv")
     report: bool = Field(
         default=True, description="the one-page report with its figures, report.html"
+    )
+    figures: bool = Field(
+        default=False, description="every figure as a file of its own, PNG and PDF; takes seconds"
     )
