@@ -1,0 +1,84 @@
+"""Every mission of the library solves, and those meant to be flown are certified."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import skyknot as sk
+from skyknot import missions
+from skyknot.verification import Certificate, certify
+
+FLOWN = ("city_hop", "vertiport_hop", "yaw_point_transfer")
+
+
+@pytest.fixture(scope="module", params=FLOWN)
+def flown(request: pytest.FixtureRequest) -> tuple[missions.Mission, sk.Solution, Certificate]:
+    mission = missions.load(request.param)
+    solution = sk.solve(mission.problem, **mission.settings())
+    return mission, solution, certify(mission.problem, solution.trajectory)
+
+
+def test_the_mission_solves(
+    flown: tuple[missions.Mission, sk.Solution, Certificate],
+) -> None:
+    _, solution, _ = flown
+    assert solution.success, solution.message
+
+
+def test_the_answer_is_certified(
+    flown: tuple[missions.Mission, sk.Solution, Certificate],
+) -> None:
+    _, _, certificate = flown
+    assert certificate.passed, certificate.sentence
+
+
+def test_its_control_flown_open_loop_stays_within_two_centimetres(
+    flown: tuple[missions.Mission, sk.Solution, Certificate],
+) -> None:
+    _, _, certificate = flown
+    assert certificate.checks["open-loop flight"].value < 0.02
+
+
+def test_the_control_is_smooth_and_not_bang_bang(
+    flown: tuple[missions.Mission, sk.Solution, Certificate],
+) -> None:
+    mission, solution, _ = flown
+    lower, upper = mission.problem.control_lower, mission.problem.control_upper
+    at_a_bound = np.minimum(solution.controls - lower, upper - solution.controls) < 1e-3 * (
+        upper - lower
+    )
+    assert np.mean(at_a_bound) < 0.15
+
+
+def test_the_city_has_at_least_six_buildings_of_different_heights() -> None:
+    obstacles = missions.load("city_hop").file.airspace.obstacles
+    heights = {obstacle.height for obstacle in obstacles if obstacle.kind == "building"}
+    assert len(obstacles) >= 6
+    assert len(heights) >= 6
+
+
+def test_the_vertiport_hop_rises_and_sinks_almost_vertically() -> None:
+    mission = missions.load("vertiport_hop")
+    states = sk.solve(mission.problem, **mission.settings()).states
+    low = -states[:, 2] < 25.0
+    pads = np.array([mission.file.start.ned[:2], mission.file.goal.ned[:2]])
+    away = np.linalg.norm(states[low, None, :2] - pads[None], axis=2).min(axis=1)
+    assert len(away) > 20
+    assert np.max(away) < 10.0
+
+
+def test_passengers_feel_no_more_than_they_were_promised() -> None:
+    mission = missions.load("vertiport_hop")
+    solution = sk.solve(mission.problem, **mission.settings())
+    rates = solution.trajectory.state_rate(solution.times)
+    acceleration = np.linalg.norm(rates[:, 3:6], axis=1) / 9.81
+    assert np.max(acceleration) < 0.3 * (1 + 1e-3)
+    assert np.max(acceleration) > 0.25
+
+
+@pytest.mark.parametrize("name", missions.names())
+def test_every_mission_has_a_title_and_a_description(name: str) -> None:
+    mission = missions.load(name)
+    assert 10 < len(mission.title) < 70
+    assert len(mission.description) > 100
