@@ -173,8 +173,9 @@ def corridor(name: str, start: Vector, end: Vector, radius: float) -> PathConstr
 def tube(name: str, points: Sequence[Vector], radius: float) -> PathConstraint:
     """Stay within ``radius`` of a path of straight legs through ``points`` (n, 3) [m], NED.
 
-    The margin is a smooth maximum over the legs of radius minus distance, at most the true one;
-    it is smaller by 2.5 per cent of the radius for every leg after the first.
+    The margin is a smooth maximum over the legs of (radius² − distance²) / (2 radius), which is at
+    most the true one, equal at the wall, and smooth on the axis. Every leg after the first takes
+    another 2.5 per cent of the radius off.
     """
     reach = _positive(name, "radius", radius)
     corners = [np.array(_numbers(name, "points", point, 3)) for point in points]
@@ -184,7 +185,8 @@ def tube(name: str, points: Sequence[Vector], radius: float) -> PathConstraint:
     epsilon = 0.5 * ROUNDING * reach
 
     def margin(x: Any, _u: Any) -> Any:
-        inside = [reach - _leg_distance(x, a, b, epsilon) for a, b in legs]
+        squares = [_leg_distance_squared(x, a, b, epsilon) for a, b in legs]
+        inside = [0.5 * (reach - square / reach) for square in squares]
         total = inside[0]
         for other in inside[1:]:
             total = _below_max(total, other, epsilon)
@@ -222,14 +224,13 @@ def tilt_limit(name: str, steepest: float) -> PathConstraint:
     return PathConstraint(name, uprightness, lower=least, unit="cos of tilt")
 
 
-def _leg_distance(x: Any, a: Any, b: Any, epsilon: float) -> Any:
-    """Distance to a point of the leg a–b near the nearest one, so at least the true distance."""
+def _leg_distance_squared(x: Any, a: Any, b: Any, epsilon: float) -> Any:
+    """Squared distance to a point of the leg a–b near the nearest one, so at least the true one."""
     length = float(np.linalg.norm(b - a))
     share = sum(float((b - a)[i]) * (x[i] - float(a[i])) for i in range(3)) / length**2
     round_off = (epsilon / length) ** 2
     t = 0.5 * (1 + ca.sqrt(share**2 + round_off) - ca.sqrt((share - 1) ** 2 + round_off))
-    off = sum((x[i] - float(a[i]) - t * float((b - a)[i])) ** 2 for i in range(3))
-    return ca.sqrt(off + (1e-2 * epsilon) ** 2)
+    return sum((x[i] - float(a[i]) - t * float((b - a)[i])) ** 2 for i in range(3))
 
 
 def _below_max(a: Any, b: Any, epsilon: float) -> Any:
