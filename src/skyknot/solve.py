@@ -20,7 +20,7 @@ from skyknot.solvers import SOLVERS
 from skyknot.solvers.base import Callback, Solver, SolverResult
 from skyknot.trajectory import Trajectory
 from skyknot.transcription import DOORS, Transcription
-from skyknot.transcription.recover import multipliers_from, recover
+from skyknot.transcription.recover import multipliers_from, recover, same_unknowns
 from skyknot.version import __version__
 
 Array = NDArray[np.float64]
@@ -62,7 +62,7 @@ def solve(
     watch.lap("guess")
     program = scheme.program(problem, start)
     multipliers = None
-    if isinstance(guess, Solution) and guess.decision.shape == program.start.shape:
+    if isinstance(guess, Solution) and _is_of(program, guess):
         multipliers = multipliers_from(program, guess.multipliers)
         program = program.starting_at(np.clip(guess.decision, program.lower, program.upper))
     watch.lap("transcription")
@@ -203,6 +203,11 @@ def _start(problem: Problem, guess: Trajectory | Solution | None) -> tuple[Traje
     return (guess.trajectory, "solution") if isinstance(guess, Solution) else (guess, "user")
 
 
+def _is_of(program: Any, guess: Solution) -> bool:
+    nodes = (guess.times - guess.times[0]) / guess.trajectory.duration
+    return same_unknowns(program, nodes, guess.decision, guess.multipliers)
+
+
 def _history(result: SolverResult) -> Array:
     rows = [[getattr(record, name) for name in HISTORY] for record in result.history]
     return np.array(rows, dtype=float).reshape(-1, len(HISTORY))
@@ -224,6 +229,9 @@ def _inputs_hash(program: Any) -> str:
     for array in (program.C, program.A, program.fractions, program.start):
         digest.update(np.ascontiguousarray(array).tobytes())
     for array in (program.lower, program.upper, program.path_lower, program.path_upper):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    rates = program.rates
+    for array in (program.segment_cost, rates.positions, rates.lower, rates.upper):
         digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()
 

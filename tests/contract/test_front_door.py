@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import skyknot as sk
+from agreement.variants import oscillator
 from references import problems
 
 CART_POLE = problems.cart_pole().problem
@@ -57,6 +58,39 @@ def test_equal_inputs_have_equal_hashes_and_others_do_not(solution):
     assert hashed() == solution.record.inputs_hash
     assert hashed(segments=21) != solution.record.inputs_hash
     assert hashed(controls="linear") != solution.record.inputs_hash
+
+
+@pytest.mark.parametrize(
+    "changes", [{"rates": [5.0, 0.2]}, {"control_bounds": (-2.0, 2.0)}, {"horizon": 2.5}]
+)
+def test_a_changed_problem_has_another_hash(changes):
+    scheme = sk.HermiteSimpson(4)
+    plain, changed = oscillator(rates=[6.0, 0.2]), oscillator(**({"rates": [6.0, 0.2]} | changes))
+    hashes = {sk.solve(problem, scheme).record.inputs_hash for problem in (plain, changed)}
+    assert len(hashes) == 2
+
+
+def test_another_quadrature_has_another_hash():
+    sums = [sk.solve(oscillator(), sk.Trapezoid(4, objective=o)) for o in ("integral", "sum")]
+    assert sums[0].record.inputs_hash != sums[1].record.inputs_hash
+
+
+@pytest.mark.parametrize(
+    ("first", "then"),
+    [
+        (sk.HermiteSimpson(mesh=np.linspace(0, 1, 21) ** 3), sk.HermiteSimpson(20)),
+        (sk.Trapezoid(mesh=np.linspace(0, 1, 41) ** 3), sk.HermiteSimpson(20)),
+    ],
+)
+def test_a_solution_on_other_nodes_is_read_by_time_not_by_position(first, then):
+    """Both pairs have decision vectors of the same length, which mean different times."""
+    coarse = sk.solve(CART_POLE, first)
+    starts = []
+    for guess in (coarse, coarse.trajectory):
+        seen = []
+        assert sk.solve(CART_POLE, then, guess=guess, callback=seen.append).success
+        starts.append((seen[0].objective, seen[0].primal_infeasibility))
+    assert starts[0] == starts[1]
 
 
 def test_free_quantities_are_reported_by_name():

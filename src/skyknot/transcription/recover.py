@@ -115,6 +115,23 @@ def recover(program: Program, points: Array, z: Array, multipliers: Multipliers)
     )
 
 
+def same_unknowns(
+    program: Program, nodes: Array, decision: Array, arrays: dict[str, Array]
+) -> bool:
+    """Return whether a stored decision vector means the same here: same layout, same mesh.
+
+    Parameters
+    ----------
+    nodes : (N+1,) fractions of the horizon it was solved on
+    decision, arrays : decision vector and multipliers as stored
+    """
+    rows = program.empty_multipliers().defects.shape
+    if decision.shape != program.start.shape or arrays["defects"].shape != rows:
+        return False
+    mesh = np.concatenate([[0.0], np.cumsum(program.fractions)])
+    return bool(np.allclose(nodes, mesh, rtol=0, atol=1e-9))
+
+
 def multipliers_from(program: Program, arrays: dict[str, Array]) -> Multipliers | None:
     """Return stored multipliers when they fit the program, else None."""
     empty = program.empty_multipliers()
