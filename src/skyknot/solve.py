@@ -25,7 +25,7 @@ from skyknot.version import __version__
 
 Array = NDArray[np.float64]
 
-DEFAULT_SOLVER = "ipopt"
+DEFAULT_SOLVER = "interior-point"
 
 
 def solve(

@@ -79,7 +79,7 @@ class Rows:
     def __init__(self, program: Program) -> None:
         self.program = program
         layout, N = program.layout, program.segments
-        nx, nu, nq, ng = program.sizes
+        nx, nu, _, ng = program.sizes
         self.N, s, m = N, layout.state.shape[1], layout.control.shape[1]
         own = m - 1 if program.shared else m
         self.S_x, self.S_u, self.S_q = _scales(program)

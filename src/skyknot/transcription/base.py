@@ -90,18 +90,18 @@ class Transcription:
             point=point_function(problem),
             terminal=terminal_function(problem),
             C=self.table.C,
-            A=self.table.A[:, self.table.used],
-            control_weights=points.weights[self.table.used],
+            A=self.table.A[:, points.used],
+            control_weights=points.weights[points.used],
             control_points=self.table.control_points[self.controls],
             shared=points.shared,
             fractions=points.fractions,
-            used=self.table.used,
+            used=points.used,
             segment_points=points.segment_points,
             point_state=points.state,
             point_control=points.control,
             point_weights=points.combination,
             point_time=points.time,
-            segment_cost=self._segment_cost(points.fractions, problem),
+            segment_cost=self._segment_cost(points, problem),
             layout=layout,
             lower=lower,
             upper=upper,
@@ -116,8 +116,8 @@ class Transcription:
             duration=duration,
         )
 
-    def _segment_cost(self, fractions: Array, problem: Problem) -> Array:
-        weights = fractions[:, None] * self.table.b[None, self.table.used]
+    def _segment_cost(self, points: _Points, problem: Problem) -> Array:
+        weights: Array = points.fractions[:, None] * self.table.b[None, points.used]
         if self.objective == "integral":
             return weights
         if problem.free_horizon:
@@ -146,25 +146,19 @@ class _Points:
         N, s, m = len(self.fractions), len(table.points), self.weights.shape[1]
         nq = len(global_names(problem))
         self.layout: Layout = node_major(N, s, m, self.shared, problem.nx, problem.nu, nq)
-        self.used = table.used
+        has_path = bool(problem.constraints)
+        ends = [0, s - 1] if has_path else []  # where the scheme itself may not look
+        self.used: Offsets = np.union1d(table.used, ends).astype(np.intp)
         self.inner_time = nodes[:-1, None] + self.fractions[:, None] * table.points[None, :]
         self._list_points(N, s)
 
     def _list_points(self, N: int, s: int) -> None:
         places = [(k, int(j)) for k in range(N) for j in self.used]
-        if self.shared and self.used[0] == 0 and self.used[-1] == s - 1:
+        if self.shared:  # the last point of a segment is the first of the next
             places = [(k, j) for k, j in places if j != s - 1 or k == N - 1]
-        has_path = bool(self.problem.path or self.problem.points)
-        extra = [(0, 0), (N - 1, s - 1)] if has_path else []
-        places += [place for place in extra if place not in places]
         index = {place: i for i, place in enumerate(places)}
-        index.update(
-            {
-                (k, s - 1): index[(k + 1, 0)]
-                for k in range(N - 1)
-                if (k, s - 1) not in index and (k + 1, 0) in index
-            }
-        )
+        if self.shared:
+            index.update({(k, s - 1): index[(k + 1, 0)] for k in range(N - 1)})
         self.segment_points: Offsets = np.array(
             [[index[k, int(j)] for j in self.used] for k in range(N)]
         )

@@ -67,12 +67,15 @@ Outcome InteriorPoint::solve(const Settings& settings,
         if (e.total <= settings.tolerance) return Outcome::solved;
         const double acceptable = settings.tolerance * settings.acceptable_factor;
         if (iterations >= settings.max_iterations) return give_up(e, acceptable, Outcome::iterations);
+        if (diverging()) return Outcome::stalled;
         if (seconds() > settings.max_seconds) return give_up(e, acceptable, Outcome::seconds);
         // ---- barrier --------------------------------------------------------------------
         while (update_barrier(e, floor)) {}
         // ---- direction ------------------------------------------------------------------
         if (!factor()) {
-            if (!restore()) return give_up(e, acceptable, Outcome::stalled);
+            const Restored restored = restore(settings.tolerance);
+            if (restored == Restored::infeasible) return Outcome::infeasible;
+            if (restored == Restored::failed) return give_up(e, acceptable, Outcome::stalled);
             continue;
         }
         assemble(barrier);
@@ -80,13 +83,18 @@ Outcome InteriorPoint::solve(const Settings& settings,
         // ---- step length ----------------------------------------------------------------
         if (!line_search(std::max(tau_min, 1.0 - barrier))) {
             if (e.total <= acceptable) return Outcome::acceptable;
-            if (!restore()) return give_up(e, acceptable, Outcome::infeasible);
+            const Restored restored = restore(settings.tolerance);
+            if (restored == Restored::infeasible) return Outcome::infeasible;
+            if (restored == Restored::failed) return Outcome::stalled;
             continue;
         }
         // ---- move -----------------------------------------------------------------------
         take_trial();
     }
 }
+
+// An objective without a lower bound sends the iterates away.
+bool InteriorPoint::diverging() const { return objective_ < -1e15; }
 
 Outcome InteriorPoint::give_up(const Errors& e, double tolerance, Outcome otherwise) const {
     return e.total <= tolerance ? Outcome::acceptable : otherwise;

@@ -27,6 +27,9 @@ struct Settings {
     bool warm = false;  // multipliers given
 };
 
+// What a restoration ends with.
+enum class Restored { yes, infeasible, failed };
+
 enum class Outcome { solved, acceptable, infeasible, iterations, seconds, evaluation, stalled, interrupted };
 
 struct Record {
@@ -111,7 +114,8 @@ private:
     void take_trial();
     void repeat_last(RowBuffer& rows) const;
     void record(const Errors& e);
-    bool restore();
+    Restored restore(double tolerance);
+    bool diverging() const;
     std::size_t variable_boxes() const;
     void add_primal_barrier(double mu, Newton& system);
     Outcome give_up(const Errors& e, double tolerance, Outcome otherwise) const;

@@ -14,11 +14,13 @@ namespace skyknot::inline SKYKNOT_ISA {
 namespace {
 
 constexpr int most_steps = 300;
-constexpr double enough = 0.9;  // κ_resto of the paper, section 3.3
+constexpr double enough = 0.5;   // wanted share of the violation; κ_resto of section 3.3
+constexpr double progress = 1e-3;  // a step that lowers it by less is a slow one
+constexpr int most_slow_steps = 8;
 
 }  // namespace
 
-bool InteriorPoint::restore() {
+Restored InteriorPoint::restore(double tolerance) {
     ++restorations;
     if (!elastic_) {
         elastic_ = std::make_unique<Newton>(points, newton.terminal_tape(), true);
@@ -70,6 +72,8 @@ bool InteriorPoint::restore() {
 
     clamp_slacks(false);
     double here = violation(false), damping = 1e-3;
+    bool stuck = false;
+    int slow = 0;
     for (int count = 0; count < most_steps && seconds() < max_seconds_; ++count) {
         differentiate();
         for (int c = 0; c < S_.classes(); ++c)
@@ -112,14 +116,18 @@ bool InteriorPoint::restore() {
             if (!evaluate(trial_z_, trial_q_.data(), true)) continue;
             clamp_slacks(true);
             const double there = violation(true);
-            if (!(there < here - 1e-10 * std::abs(here))) continue;
+            if (!(there < here - 1e-9 * std::abs(here))) continue;
             accepted = true;
+            slow = here - there < progress * std::abs(here) ? slow + 1 : 0;
             alpha_ = alpha;
             here = there;
             damping = alpha > 0.3 ? damping / 64.0 : damping / 8.0;
             damping = std::max(damping, 1e-10);
         }
-        if (!accepted) break;
+        if (!accepted || slow >= most_slow_steps) {
+            stuck = true;
+            break;
+        }
         for (int r = 0; r < S_.v_rows(); ++r) std::copy_n(trial_z_.row(r), S_.count(r), z.row(r));
         repeat_last(z);
         q = trial_q_;
@@ -137,12 +145,13 @@ bool InteriorPoint::restore() {
             std::fill(pin_multipliers.begin(), pin_multipliers.end(), 0.0);
             estimate_multipliers();
             last_regularisation_ = 0.0;
-            return true;
+            return Restored::yes;
         }
     }
     differentiate();
     gradients();
-    return false;
+    // violated, and no step lowers the violation: a stationary point of it
+    return stuck && errors().primal > tolerance ? Restored::infeasible : Restored::failed;
 }
 
 // Bounded entries that are unknowns (not slacks) stand first.

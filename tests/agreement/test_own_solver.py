@@ -1,0 +1,49 @@
+"""Claim: the kernel's interior point and Ipopt agree on every feature of a program."""
+
+from __future__ import annotations
+
+import pytest
+
+import skyknot as sk
+from agreement.variants import PROBLEMS, SCHEMES
+from references import problems
+
+# The pendulum with a free horizon has several local optima: only the conditions are compared.
+SEVERAL_OPTIMA = {"free horizon", "free horizon, rates", "everything"}
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_both_solvers_find_the_same_optimum(problem: str, scheme: str) -> None:
+    ours = sk.solve(PROBLEMS[problem], SCHEMES[scheme], solver="interior-point", tolerance=1e-8)
+    assert ours.success, ours.message
+    assert ours.kkt_residual < 1e-6
+    if problem not in SEVERAL_OPTIMA:
+        theirs = sk.solve(PROBLEMS[problem], SCHEMES[scheme], solver="ipopt", tolerance=1e-8)
+        assert ours.objective == pytest.approx(theirs.objective, rel=1e-6, abs=1e-6)
+
+
+CLASSICS = (
+    problems.hager,
+    problems.garg,
+    problems.minimum_energy,
+    problems.bryson_denham,
+    lambda: problems.van_der_pol(-0.25, 1.0),
+    problems.minimum_time,
+    problems.brachistochrone,
+    problems.steering,
+    problems.cart_pole,
+    problems.quadrotor_transfer,
+)
+
+
+@pytest.mark.parametrize("make", CLASSICS)
+@pytest.mark.parametrize("controls", ["quadratic", "linear", "hold"])
+def test_both_solvers_agree_on_the_classics(make, controls: str) -> None:
+    reference = make()
+    scheme = sk.HermiteSimpson(20, controls=controls)
+    settings = {"guess": reference.guess, "tolerance": 1e-8}
+    ours = sk.solve(reference.problem, scheme, solver="interior-point", **settings)
+    theirs = sk.solve(reference.problem, scheme, solver="ipopt", **settings)
+    assert ours.success, ours.message
+    assert ours.objective == pytest.approx(theirs.objective, rel=1e-6, abs=1e-6)
