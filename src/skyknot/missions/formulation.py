@@ -141,10 +141,16 @@ def state_bounds(file: MissionFile, model: Model) -> Bounds:
     return lower, upper
 
 
-def greatest_tilt(file: MissionFile) -> float | None:
-    """Return the tilt limit of the mission, rad."""
+def greatest_tilt(file: MissionFile, vehicle: Vehicle) -> float | None:
+    """Return the tilt limit of mission and vehicle, rad; None when neither has one."""
     degrees = file.limits.tilt_degrees
-    return file.limits.tilt if degrees is None else math.radians(degrees)
+    tilt = file.limits.tilt if degrees is None else math.radians(degrees)
+    return _smallest(tilt, vehicle.limits.tilt)
+
+
+def greatest_speed(file: MissionFile, vehicle: Vehicle) -> float | None:
+    """Return the speed limit of mission and vehicle, m/s; None when neither has one."""
+    return _smallest(file.limits.speed, vehicle.limits.speed)
 
 
 def _tighten(lower: Array, upper: Array, first: int, sizes: Sequence[float]) -> None:
@@ -169,11 +175,11 @@ def _final(file: MissionFile, target: Array) -> list[float | None] | None:
 
 def _path_limits(file: MissionFile, vehicle: Vehicle, model: Model) -> list[PathConstraint]:
     limits, found = file.limits, []
-    speed = _smallest(limits.speed, vehicle.limits.speed)
+    speed = greatest_speed(file, vehicle)
     if speed is not None:
         found.append(speed_limit("speed limit", speed))
     rigid = "phi" in model.state_names
-    tilt = _smallest(greatest_tilt(file), vehicle.limits.tilt)
+    tilt = greatest_tilt(file, vehicle)
     if tilt is not None and rigid:
         found.append(tilt_limit("tilt limit", tilt))
     for name, felt, most in (

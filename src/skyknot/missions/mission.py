@@ -12,7 +12,7 @@ from skyknot.missions.faults import nearest, validated
 from skyknot.missions.formulation import model_of, problem_of
 from skyknot.missions.guess_lines import guess_of
 from skyknot.missions.mission_text import MissionText
-from skyknot.missions.placement import check_problem
+from skyknot.missions.placement import check_problem, check_velocities
 from skyknot.missions.schema import MissionFile
 from skyknot.missions.soundness import check_file
 from skyknot.models.vehicle import Vehicle
@@ -136,6 +136,7 @@ def parse(
     file = validated(source)
     craft = _vehicle(source, file, folder or Path(), vehicle)
     check_file(source, file, craft)
+    check_velocities(source, file, craft)
     problem = problem_of(name, file, craft)
     check_problem(source, file, problem)
     guess = guess_of(file, problem, model_of(file, craft))

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from skyknot.missions.formulation import model_of, state_bounds
+from skyknot.missions.formulation import greatest_speed, model_of, state_bounds
 from skyknot.missions.mission_text import MissionText, Path, dotted
 from skyknot.missions.schema import MissionFile
 from skyknot.missions.schema_flight import Heading, Place
 from skyknot.missions.shapes import ALTITUDE_BAND
 from skyknot.missions.soundness import places, refusal
+from skyknot.models.vehicle import Vehicle
 from skyknot.problem.constraints import PathConstraint
 from skyknot.problem.problem import Problem
 
@@ -20,13 +21,34 @@ MARGIN = 1e-9
 """Slack, in a constraint's own unit, within which an end counts as inside."""
 
 
+def check_velocities(source: MissionText, file: MissionFile, vehicle: Vehicle) -> None:
+    """Raise when start or goal is flown at a velocity beyond the limits of mission or vehicle."""
+    lower, upper = state_bounds(file, model_of(file, vehicle))
+    fastest = greatest_speed(file, vehicle) or math.inf
+    ends: tuple[tuple[str, Heading], ...] = (("start", file.start), ("goal", file.goal))
+    for name, end in ends:
+        velocity = np.array(end.velocity)
+        speed = float(np.linalg.norm(velocity))
+        outside = (velocity < lower[3:6] - MARGIN) | (velocity > upper[3:6] + MARGIN)
+        if speed <= fastest + MARGIN and not np.any(outside):
+            continue
+        allowed = [f"{low:g} to {high:g}" for low, high in zip(lower, upper, strict=True)][3:6]
+        raise refusal(
+            source,
+            (name, "velocity"),
+            f"The velocity at {name} is above the speed limit.",
+            f"{_point(end.velocity)}, {speed:.4g} m/s",
+            f"at most {fastest:g} m/s; north {allowed[0]}, east {allowed[1]}, down {allowed[2]}",
+            "Slow the end down, or raise the speed limit of mission or vehicle.",
+        )
+
+
 def check_problem(source: MissionText, file: MissionFile, problem: Problem) -> None:
-    """Raise when an end or waypoint breaks a constraint, or the goal cannot be reached in time."""
+    """Raise when a place breaks a constraint, or the goal cannot be reached in time."""
     for path, place in places(file):
         for index, constraint in enumerate(problem.path):
             if constraint.shape is not None:
                 _check_inside(source, path, place, constraint, _constraint_path(file, index))
-    _check_speeds(source, file, problem)
     _check_reach(source, file, problem)
 
 
@@ -68,24 +90,6 @@ def _point(values: Sequence[float]) -> str:
     return f"[{', '.join(f'{value:g}' for value in values)}]"
 
 
-def _check_speeds(source: MissionText, file: MissionFile, problem: Problem) -> None:
-    fastest = min(
-        (c.upper for c in problem.path if c.name == "speed limit" and c.upper), default=None
-    )
-    ends: tuple[tuple[str, Heading], ...] = (("start", file.start), ("goal", file.goal))
-    for name, end in ends:
-        speed = float(np.linalg.norm(end.velocity))
-        if fastest is not None and speed > fastest + MARGIN:
-            raise refusal(
-                source,
-                (name, "velocity"),
-                f"The velocity at {name} is above the speed limit.",
-                f"{_point(end.velocity)}, {speed:.4g} m/s",
-                f"at most {fastest:g} m/s",
-                "Slow the end down, or raise the speed limit of mission or vehicle.",
-            )
-
-
 def _check_reach(source: MissionText, file: MissionFile, problem: Problem) -> None:
     """Raise when the straight path, at the speeds allowed, takes longer than there is time."""
     if file.goal.reach == "cost":
@@ -125,8 +129,3 @@ def shortest_time(file: MissionFile, problem: Problem) -> tuple[float, str]:
         way = float(np.sum(np.maximum(np.linalg.norm(legs, axis=1) - slack, 0)))
         candidates.append((way / fastest, f"{way:.4g} m at {fastest:g} m/s"))
     return max(candidates)
-
-
-def _speed_limit(problem: Problem) -> float | None:
-    limits = [entry.upper for entry in problem.path if entry.name == "speed limit"]
-    return limits[0] if limits else None
