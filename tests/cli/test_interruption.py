@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from skyknot.cli import progress
+from skyknot.cli import iterations
 from skyknot.cli.interruption import Interruption
 from skyknot.cli.main import app
 from skyknot.missions.mission import FOLDER
@@ -65,7 +65,7 @@ def test_an_interrupted_solve_leaves_the_earlier_run_untouched(
         if record.iteration == 2:
             os.kill(os.getpid(), signal.SIGINT)
 
-    monkeypatch.setattr(progress.PlainLines, "show", press_ctrl_c)
+    monkeypatch.setattr(iterations.PlainLines, "show", press_ctrl_c)
     result = RUNNER.invoke(app, arguments)
     assert result.exit_code == 3
     assert "Interrupted" in result.stdout.splitlines()[-1]

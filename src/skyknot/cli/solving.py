@@ -12,7 +12,7 @@ from rich.console import Console
 from skyknot import missions
 from skyknot.cli.exits import Exit, command, print_json
 from skyknot.cli.interruption import Interruption
-from skyknot.cli.progress import Watcher, progress_for
+from skyknot.cli.iterations import Watcher, progress_for
 from skyknot.cli.run_folder import check_target, run_facts, write_run
 from skyknot.errors import UserError
 from skyknot.missions import Mission

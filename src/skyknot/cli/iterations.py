@@ -74,7 +74,8 @@ class LiveTable:
     def __init__(self, console: Console, title: str) -> None:
         self.title = title
         self.records: deque[IterationRecord] = deque(maxlen=ROWS)
-        self.live = Live(self._table(), console=console, refresh_per_second=12, transient=False)
+        # drawn by the clock, not by the iteration: a fast solver is not slowed down
+        self.live = Live(get_renderable=self._table, console=console, refresh_per_second=12)
 
     def __enter__(self) -> LiveTable:
         self.live.__enter__()
@@ -86,19 +87,17 @@ class LiveTable:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self.live.update(self._table())
         self.live.__exit__(kind, error, trace)
 
     def show(self, record: IterationRecord) -> None:
         """Add one row."""
         self.records.append(record)
-        self.live.update(self._table())
 
     def _table(self) -> Table:
         table = Table(title=self.title, title_justify="left", caption="Ctrl-C stops cleanly")
         for name in COLUMNS:
             table.add_column(name, justify="right")
-        for record in self.records:
+        for record in tuple(self.records):
             table.add_row(*_cells(record))
         return table
 
