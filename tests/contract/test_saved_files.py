@@ -18,7 +18,7 @@ from skyknot import storage
 
 @pytest.fixture(scope="module")
 def solution():
-    return sk.solve(PROBLEMS["everything"], SCHEMES["hermite-simpson"])
+    return sk.solve(PROBLEMS["everything"], SCHEMES["hermite-simpson"], "ipopt")
 
 
 def assert_identical(a, b):
@@ -86,7 +86,7 @@ def test_the_suffix_is_added_and_folders_are_made(solution, tmp_path):
 
 def test_a_loaded_solution_is_a_guess(solution, tmp_path):
     loaded = sk.load(solution.save(tmp_path / "s.npz"))
-    again = sk.solve(PROBLEMS["everything"], SCHEMES["hermite-simpson"], guess=loaded)
+    again = sk.solve(PROBLEMS["everything"], SCHEMES["hermite-simpson"], "ipopt", guess=loaded)
     assert again.iterations <= 2
 
 

@@ -45,7 +45,7 @@ UNDEFINED = {
 @pytest.mark.parametrize("form", ["separated", "compressed"])
 @pytest.mark.parametrize("sentence", UNDEFINED)
 def test_what_is_not_a_number_is_named(sentence, form):
-    solution = sk.solve(mover(**UNDEFINED[sentence]), sk.HermiteSimpson(10, form=form))
+    solution = sk.solve(mover(**UNDEFINED[sentence]), sk.HermiteSimpson(10, form=form), "ipopt")
     assert solution.status == "evaluation error"
     assert sentence in solution.message
     assert "Bound the state named above" in solution.message
@@ -54,7 +54,7 @@ def test_what_is_not_a_number_is_named(sentence, form):
 
 def test_the_time_of_the_first_trouble_is_told():
     problem = mover(**UNDEFINED["The rate of speed is not a number"])
-    solution = sk.solve(problem, sk.Trapezoid(10))
+    solution = sk.solve(problem, sk.Trapezoid(10), "ipopt")
     # straight line 1 → 0.2 is at 0.5 when t = 0.625; the next node is 0.7
     assert "at t = 0.7 s" in solution.message
 
@@ -73,7 +73,7 @@ BLOCKED = {
 
 @pytest.mark.parametrize("words", BLOCKED)
 def test_an_infeasible_problem_says_so_and_names_the_worst(words):
-    solution = sk.solve(mover(**BLOCKED[words]), sk.HermiteSimpson(10))
+    solution = sk.solve(mover(**BLOCKED[words]), sk.HermiteSimpson(10), "ipopt")
     assert solution.status == "locally infeasible"
     assert "The largest violation is" in solution.message
     assert words in solution.message

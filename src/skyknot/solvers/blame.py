@@ -11,6 +11,11 @@ from skyknot.kernel.program import Program
 Array = NDArray[np.float64]
 
 
+def undefined_value(program: Program, z: Array) -> str:
+    """Return a sentence naming the first value or slope that is not a number at z, or nothing."""
+    return _undefined(program, z, evaluate(program, z))
+
+
 def worst_violation(program: Program, z: Array) -> str:
     """Return a sentence that names the most violated constraint at z, or the place of a NaN."""
     values = evaluate(program, z)
@@ -27,7 +32,6 @@ def worst_violation(program: Program, z: Array) -> str:
 
 
 def _undefined(program: Program, z: Array, values: Evaluation) -> str:
-    """Return a sentence naming the first value or slope that is not a number, or nothing."""
     rates = [f"the rate of {name}" for name in program.state_names]
     paths = [f"'{name}'" for name in program.path_names]
     groups = [

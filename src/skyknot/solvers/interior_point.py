@@ -12,7 +12,7 @@ from skyknot.kernel.evaluation import complete_fixed
 from skyknot.kernel.program import Multipliers, Program
 from skyknot.kernel.rows import Rows, native_solver, tapes
 from skyknot.solvers.base import Callback, IterationRecord, SolverResult
-from skyknot.solvers.blame import worst_violation
+from skyknot.solvers.blame import undefined_value, worst_violation
 from skyknot.status import Status
 
 Array = NDArray[np.float64]
@@ -102,6 +102,8 @@ class Prepared:
         multipliers = self.rows.multipliers(raw)
         complete_fixed(self.program, z, multipliers)
         nx, nu, _, _ = self.program.sizes
+        if not status.success and undefined_value(self.program, z):
+            status = Status.EVALUATION_ERROR
         counts = ("factorisations", "solves", "value_runs", "full_runs", "restorations")
         return SolverResult(
             z=z,
@@ -119,4 +121,11 @@ class Prepared:
 def _watch(callback: Callback | None) -> Any:
     if callback is None:
         return None
-    return lambda *row: callback(IterationRecord(*row))
+
+    def report(iteration: int, *numbers: float) -> bool:
+        try:
+            return bool(callback(IterationRecord(iteration, *numbers)))
+        except KeyboardInterrupt:
+            return True
+
+    return report
