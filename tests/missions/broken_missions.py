@@ -304,6 +304,19 @@ BROKEN = (
         "without rotor radius", "hover", 'Use kind = "effort"',
     ),
     Broken(
+        "leg_without_length", "[scheme]",
+        '[[airspace.corridors]]\nname = "lane"\nradius = 9\npoints = [[0,0,0],[0,0,0]]\n[scheme]',
+        "'lane' has no size", "line 37, airspace.corridors[1]", "length of a leg: 0.0",
+        "a positive number", "size greater than zero",
+    ),
+    Broken(
+        "wall_without_direction",
+        'kind = "cylinder"\nname = "mast"\ncenter = [15.0, 0.0]\nradius = 2.0',
+        'kind = "half-space"\nname = "mast"\nnormal = [0.0, 0.0, 0.0]\noffset = 1.0',
+        "'mast' has no size", "line 31, airspace.obstacles[1]", "length of normal: 0.0",
+        "a positive number", "size greater than zero",
+    ),
+    Broken(
         "sum_of_a_free_horizon", "segments = 40", 'segments = 40\nobjective = "sum"',
         "no meaning with a free horizon", "line 40, scheme.objective", "sum", "integral",
         'Write objective = "integral"',

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from skyknot.missions.section import NotNegative, Pair, Position, Positive, Section, Triple
+from skyknot.missions.section import NotNegative, Number, Pair, Position, Positive, Section, Triple
 
 Name = Annotated[str, Field(min_length=1)]
 
@@ -53,7 +53,7 @@ class Building(Section):
         description="length north and width east, before turning by yaw [m]"
     )
     height: Positive = Field(description="height above ground [m]")
-    yaw_degrees: float = Field(
+    yaw_degrees: Number = Field(
         default=0.0, description="turn of the ground plan about the vertical [deg]"
     )
     clearance: NotNegative = Field(default=0.0, description="distance to keep [m]")
@@ -68,7 +68,7 @@ class Box(Section):
     size: Annotated[list[Positive], Field(min_length=3, max_length=3)] = Field(
         description="full length north, east, down, before turning by yaw [m]"
     )
-    yaw_degrees: float = Field(default=0.0, description="turn about the vertical [deg]")
+    yaw_degrees: Number = Field(default=0.0, description="turn about the vertical [deg]")
     clearance: NotNegative = Field(default=0.0, description="distance to keep [m]")
 
 
@@ -78,7 +78,7 @@ class HalfSpace(Section):
     kind: Literal["half-space"]
     name: Name = Field(description="what messages and figures call it")
     normal: Triple = Field(description="direction of the allowed side, north, east, down")
-    offset: float = Field(description="distance of the plane from the origin along normal [m]")
+    offset: Number = Field(description="distance of the plane from the origin along normal [m]")
 
 
 Obstacle = Annotated[
@@ -99,8 +99,8 @@ class Corridor(Section):
 class Band(Section):
     """Heights between which the flight stays."""
 
-    lowest: float = Field(description="lowest height above ground [m]")
-    highest: float = Field(description="greatest height above ground [m]")
+    lowest: Number = Field(description="lowest height above ground [m]")
+    highest: Number = Field(description="greatest height above ground [m]")
 
 
 class Airspace(Section):

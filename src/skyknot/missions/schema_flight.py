@@ -9,6 +9,7 @@ from pydantic import Field
 
 from skyknot.missions.section import (
     NotNegative,
+    Number,
     Positive,
     Section,
     Triple,
@@ -22,11 +23,11 @@ Steep = Annotated[float, Field(gt=0, lt=math.pi / 2)]
 class Place(Section):
     """A point: three NED numbers, or two and an altitude."""
 
-    position: Annotated[list[float], Field(min_length=2, max_length=3)] = Field(
+    position: Annotated[list[Number], Field(min_length=2, max_length=3)] = Field(
         description="north, east, down [m]; down is negative above ground; "
         "or north, east only, together with altitude"
     )
-    altitude: float | None = Field(
+    altitude: Number | None = Field(
         default=None, description="height above ground [m], instead of the third entry of position"
     )
 
@@ -40,8 +41,8 @@ class Place(Section):
 class Heading(Place):
     """A point with a heading and a velocity."""
 
-    yaw: float | None = Field(default=None, description="heading [rad], 0 is north, π/2 is east")
-    yaw_degrees: float | None = Field(default=None, description="heading [deg], instead of yaw")
+    yaw: Number | None = Field(default=None, description="heading [rad], 0 is north, π/2 is east")
+    yaw_degrees: Number | None = Field(default=None, description="heading [deg], instead of yaw")
     velocity: Triple = Field(
         default=[0.0, 0.0, 0.0], description="velocity north, east, down [m/s]"
     )

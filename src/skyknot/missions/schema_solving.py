@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from skyknot.missions.section import Positive, Section, Triple
+from skyknot.missions.section import Number, Positive, Section, Triple
 
 SCHEME_NAMES = Literal["hermite-simpson", "trapezoid", "euler", "lobatto", "chebyshev"]
 SOLVER_NAMES = Literal["interior-point", "projected-gradient", "ddp", "ipopt"]
@@ -61,7 +61,7 @@ class Guess(Section):
         description="'straight': straight line at hover; 'flat': minimum-snap lift; 'bow': "
         "straight line bent sideways; 'via': through points"
     )
-    offset: float | None = Field(
+    offset: Number | None = Field(
         default=None,
         description="of a bow: greatest distance to the right of the line [m]; negative: left",
     )

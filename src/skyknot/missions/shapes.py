@@ -23,19 +23,21 @@ ALTITUDE_BAND = "altitude band"
 
 def airspace_constraints(airspace: Airspace) -> list[PathConstraint]:
     """Return one constraint per obstacle, then per corridor, then the altitude band."""
-    found = [_obstacle(obstacle) for obstacle in airspace.obstacles]
-    found += [_corridor(corridor) for corridor in airspace.corridors]
+    found = [obstacle_constraint(obstacle) for obstacle in airspace.obstacles]
+    found += [corridor_constraint(corridor) for corridor in airspace.corridors]
     if airspace.altitude is not None:
         band = airspace.altitude
         found.append(shapes.altitude_band(ALTITUDE_BAND, band.lowest, band.highest))
     return found
 
 
-def _corridor(corridor: Corridor) -> PathConstraint:
+def corridor_constraint(corridor: Corridor) -> PathConstraint:
+    """Return the tube around a corridor's legs."""
     return shapes.tube(corridor.name, corridor.points, corridor.radius)
 
 
-def _obstacle(obstacle: Any) -> PathConstraint:
+def obstacle_constraint(obstacle: Any) -> PathConstraint:
+    """Return the constraint that keeps out of an obstacle."""
     if isinstance(obstacle, HalfSpace):
         return shapes.half_space(obstacle.name, obstacle.normal, obstacle.offset)
     name, clearance = obstacle.name, obstacle.clearance

@@ -6,6 +6,8 @@ Every check raises a UserError with file, line and field, found, expected, and w
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from skyknot.errors import UserError
 from skyknot.missions.formulation import (
@@ -17,7 +19,7 @@ from skyknot.missions.formulation import (
 from skyknot.missions.mission_text import MissionText, Path, dotted
 from skyknot.missions.schema import MissionFile
 from skyknot.missions.schema_flight import Heading, Place
-from skyknot.missions.shapes import ALTITUDE_BAND
+from skyknot.missions.shapes import ALTITUDE_BAND, corridor_constraint, obstacle_constraint
 from skyknot.models.vehicle import Vehicle
 
 PLANNED = ("speed limit", "tilt limit", "acceleration", "felt acceleration", ALTITUDE_BAND)
@@ -31,6 +33,7 @@ def check_file(source: MissionText, file: MissionFile, vehicle: Vehicle) -> None
     _check_objective(source, file, vehicle)
     _check_limits(source, file, vehicle)
     _check_names(source, file)
+    _check_shapes(source, file)
     _check_waypoints(source, file)
     _check_scheme(source, file)
     _check_guess(source, file)
@@ -245,6 +248,24 @@ def _check_names(source: MissionText, file: MissionFile) -> None:
                 "Rename one of them; messages and figures tell them apart by name.",
             )
         taken[name] = source.where(path)
+
+
+def _check_shapes(source: MissionText, file: MissionFile) -> None:
+    """Raise at a shape that is none: a wall without direction, a leg without length."""
+    _check_each(source, "obstacles", file.airspace.obstacles, obstacle_constraint)
+    _check_each(source, "corridors", file.airspace.corridors, corridor_constraint)
+
+
+def _check_each(
+    source: MissionText, kind: str, entries: Sequence[Any], build: Callable[[Any], object]
+) -> None:
+    for i, entry in enumerate(entries):
+        try:
+            build(entry)
+        except UserError as error:
+            found = f"{error.where}: {error.found}"
+            path: Path = ("airspace", kind, i)
+            raise refusal(source, path, error.what, found, error.expected, error.do) from None
 
 
 def _check_waypoints(source: MissionText, file: MissionFile) -> None:
