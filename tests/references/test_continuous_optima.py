@@ -7,6 +7,7 @@ import pytest
 
 import skyknot as sk
 from references import problems
+from skyknot.solvers import SOLVERS
 
 # (problem, transcription, relative tolerance, why this tolerance)
 CASES = {
@@ -28,12 +29,13 @@ CASES = {
 }
 
 
+@pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("case", CASES)
-def test_the_objective_is_the_known_optimum(case):
+def test_the_objective_is_the_known_optimum(case, solver):
     make, transcription, relative, _ = CASES[case]
     reference = make()
     solution = sk.solve(
-        reference.problem, transcription, solver="ipopt", guess=reference.guess, tolerance=1e-9
+        reference.problem, transcription, solver, guess=reference.guess, tolerance=1e-9
     )
     assert solution.success, solution.message
     assert solution.objective == pytest.approx(reference.optimum, rel=relative)
