@@ -33,6 +33,8 @@ ARROWS = {
     "missions": {"problem", "models"},
     "report": {"solution"},
     "paper": {"solve", "verification", "report", "problem", "models", "solution"},
+    # measures solvers against one another on many missions
+    "bench": {"missions", "solve", "solvers", "verification", "solution", "problem", "models"},
     "mpc": {"solve", "problem", "models", "solution"},
     "robust": {"solve", "problem", "models", "solution"},
     "fleet": {"solve", "problem", "models", "solution"},

@@ -161,5 +161,5 @@ def test_the_plain_sum_is_refused_with_a_free_horizon():
 @pytest.mark.parametrize("scheme", [sk.Euler(5), sk.Trapezoid(5)])
 def test_a_scheme_without_an_interior_state_has_no_compressed_form(scheme):
     with pytest.raises(sk.UserError, match="one explicit interior state") as caught:
-        sk.solve(hill(), replace(scheme, form="compressed"))
+        sk.solve(hill(), replace(scheme, form="compressed"), "ipopt")
     assert caught.value.where == "form"
