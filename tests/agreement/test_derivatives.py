@@ -46,7 +46,8 @@ def test_the_gradient_of_the_lagrangian_is_casadis(problem, scheme):
     lam = ca.MX.sym("lam", nlp.graph["g"].numel())
     lagrangian = nlp.graph["f"] + ca.dot(lam, nlp.graph["g"])
     reverse = ca.Function("g", [nlp.graph["x"], lam], [ca.gradient(lagrangian, nlp.graph["x"])])
-    expected = np.asarray(reverse(z, graph_multipliers(program, nlp, m))).ravel() + m.bounds
+    slopes = np.asarray(reverse(z / nlp.scale, graph_multipliers(program, nlp, m))).ravel()
+    expected = slopes / nlp.scale + m.bounds
     found = gradient(program, evaluate(program, z), m)
     np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-11)
 
@@ -58,7 +59,7 @@ def test_objective_and_defects_are_the_graphs(problem, scheme):
     z, _ = random_point(program, seed=4)
     nlp = nonlinear_program(program)
     value = ca.Function("value", [nlp.graph["x"]], [nlp.graph["f"], nlp.graph["g"]])
-    f, g = (np.asarray(v).ravel() for v in value(z))
+    f, g = (np.asarray(v).ravel() for v in value(z / nlp.scale))
     values = evaluate(program, z)
     d = defects(program, z, values)
     assert objective(program, values) == pytest.approx(f[0], rel=1e-13)
@@ -116,7 +117,7 @@ def test_the_compressed_graph_is_the_separated_one_on_its_hermite_manifold(probl
     program = program_of(PROBLEMS[problem], SCHEMES["compressed"])
     z, _ = random_point(program, seed=6)
     nlp = nonlinear_program(program)
-    y = z[nlp.kept]
+    y = z[nlp.kept] / nlp.scale
     lifted = np.asarray(nlp.full_z(y)).ravel()
     values = evaluate(program, lifted)
     d = defects(program, lifted, values)

@@ -74,9 +74,9 @@ class Ipopt:
         if multipliers is not None:
             options |= _warm_start(tolerance)
         solver = self._created(nlp, options)
-        start = {"x0": program.start[nlp.kept]}
+        start = {"x0": program.start[nlp.kept] / nlp.scale}
         if multipliers is not None:
-            start["lam_x0"] = multipliers.bounds[nlp.kept]
+            start["lam_x0"] = multipliers.bounds[nlp.kept] * nlp.scale
             start["lam_g0"] = nlp.lowered(multipliers)
         answer = solver(lbx=nlp.lower, ubx=nlp.upper, lbg=nlp.g_lower, ubg=nlp.g_upper, **start)
         stats = solver.stats()
@@ -134,7 +134,11 @@ class Ipopt:
             status = Status.TIME_LIMIT
         y, lam_x, lam_g = (np.asarray(answer[k]).ravel() for k in ("x", "lam_x", "lam_g"))
         if not np.all(np.isfinite(y)):
-            y, lam_x, lam_g = program.start[nlp.kept], np.zeros_like(lam_x), np.zeros_like(lam_g)
+            y, lam_x, lam_g = (
+                program.start[nlp.kept] / nlp.scale,
+                np.zeros_like(lam_x),
+                np.zeros_like(lam_g),
+            )
         z, multipliers = nlp.lifted(y, lam_x, lam_g)
         detail = "" if status.success else worst_violation(program, z)
         return SolverResult(

@@ -28,6 +28,7 @@ class NonlinearProgram:
     program: Program
     graph: dict[str, ca.MX]
     kept: NDArray[np.intp]
+    scale: Array
     lower: Array
     upper: Array
     g_lower: Array
@@ -41,7 +42,7 @@ class NonlinearProgram:
         """Return z and multipliers of the separated program."""
         program = self.program
         nx = program.layout.nx
-        z = np.asarray(self.full_z(y)).ravel()
+        z = np.clip(np.asarray(self.full_z(y)).ravel(), program.lower, program.upper)
         m = program.empty_multipliers()
         rows = program.C.shape[0]
         kept_rows = [rows - 1] if program.compressed else list(range(rows))
@@ -50,7 +51,7 @@ class NonlinearProgram:
         path = size + len(self.path_rows)
         m.path.ravel()[self.path_rows] = lam_g[size:path]
         inner = path + len(self.interior_bound_rows)
-        m.bounds[self.kept] = lam_x
+        m.bounds[self.kept] = lam_x / self.scale
         m.bounds[self.interior_bound_rows] = lam_g[path:inner]
         for part in self.rate_rows:
             m.rates[part] += lam_g[inner : inner + len(part)]
@@ -77,8 +78,10 @@ def nonlinear_program(program: Program) -> NonlinearProgram:
     interior = layout.states_at(layout.state[:, 1:-1]).ravel()
     dropped = interior if program.compressed else np.empty(0, dtype=np.intp)
     kept = np.setdiff1d(np.arange(layout.size), dropped)
+    scale = program.scales[kept]
     y = ca.MX.sym("z", len(kept))
-    z = _compressed(program, y, kept) if program.compressed else y
+    unscaled = ca.DM(scale) * y
+    z = _compressed(program, unscaled, kept) if program.compressed else unscaled
     L, F, g = _mapped(program, z)
     X = [_columns(z, layout.states_at(layout.state[:, j])) for j in range(program.C.shape[1])]
     defects = _defect_rows(program, X, F)
@@ -101,8 +104,9 @@ def nonlinear_program(program: Program) -> NonlinearProgram:
             ),
         },
         kept=kept,
-        lower=program.lower[kept],
-        upper=program.upper[kept],
+        scale=scale,
+        lower=program.lower[kept] / scale,
+        upper=program.upper[kept] / scale,
         g_lower=np.concatenate(
             [
                 np.zeros(defects.numel()),
