@@ -31,7 +31,7 @@ DEFAULT_SOLVER = "interior-point"
 def solve(
     problem: Problem,
     transcription: Transcription | Mapping[str, Any] | str = "hermite-simpson",
-    solver: Solver | str = DEFAULT_SOLVER,
+    solver: Solver | Mapping[str, Any] | str = DEFAULT_SOLVER,
     guess: Trajectory | Solution | None = None,
     tolerance: float = 1e-6,
     callback: Callback | None = None,
@@ -43,7 +43,8 @@ def solve(
     problem : what is asked
     transcription : how it becomes finite: an object such as ``HermiteSimpson(segments=100)``, a
         scheme's name, or a mapping such as ``{"scheme": "trapezoid", "segments": 50}``
-    solver : a name, or an object with settings such as ``Ipopt(max_iterations=50)``
+    solver : a name, an object with settings such as ``Ipopt(max_iterations=50)``, or a mapping
+        such as ``{"name": "ipopt", "max_iterations": 50}``
     guess : a Trajectory, a Solution (its multipliers are used too when the mesh is the same), or
         None for the guess ladder
     tolerance : on the optimality conditions, in the user's units
@@ -129,15 +130,17 @@ def resolve_transcription(choice: Transcription | Mapping[str, Any] | str) -> Tr
         ) from error
 
 
-def resolve_solver(choice: Solver | str) -> Solver:
-    """Return the solver that a name or an object stands for."""
-    if not isinstance(choice, str):
+def resolve_solver(choice: Solver | Mapping[str, Any] | str) -> Solver:
+    """Return the solver that a name, a mapping or an object stands for."""
+    if not isinstance(choice, str | Mapping):
         if not callable(getattr(choice, "solve", None)):
             raise _wrong_type("solver", choice, "Ipopt(max_iterations=50)")
         return choice
-    if choice not in SOLVERS:
-        raise _unknown("solver", choice, SOLVERS)
-    return SOLVERS[choice]()
+    settings = {"name": choice} if isinstance(choice, str) else dict(choice)
+    name = settings.pop("name", DEFAULT_SOLVER)
+    if name not in SOLVERS:
+        raise _unknown("solver", name, SOLVERS)
+    return SOLVERS[name](**settings)
 
 
 def _unknown(kind: str, name: object, known: Mapping[str, Any]) -> UserError:

@@ -8,7 +8,7 @@ from skyknot.solvers.base import Solver
 from skyknot.solvers.interior_point import InteriorPoint
 from skyknot.solvers.ipopt import Ipopt
 
-SOLVERS: dict[str, Callable[[], Solver]] = {
+SOLVERS: dict[str, Callable[..., Solver]] = {
     "interior-point": InteriorPoint,
     "ipopt": Ipopt,
 }
