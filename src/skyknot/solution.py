@@ -187,7 +187,7 @@ class Solution:
                 expected="the problem that was solved",
                 do="Call solution.verify(problem), or 'skyknot verify DIR' for a saved run.",
             )
-        return certify(asked, self.trajectory)
+        return certify(asked, self.trajectory, self.record.parameters)
 
     def report(self, path: str | Path) -> Path:
         """Write a one-page HTML report with figures and verdict; return its path."""
