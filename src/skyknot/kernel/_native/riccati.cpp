@@ -170,8 +170,7 @@ void Riccati::forward(RightSide& right) const {
             for (int i = p + 1; i < nv; ++i) sum += column[i] * w[i];
             Vector8 dot{};
             for (int i = vp; i < wp; i += 8) dot += load8(column + i) * load8(w + i);
-            for (int lane = 0; lane < 8; ++lane) sum += dot[lane];
-            w[p] = -sum * inverse[p];
+            w[p] = -(sum + sum8(dot)) * inverse[p];
         }
         for (int i = nv; i < vp; ++i) w[i] = 0.0;
         const double* A = stage(k) + layout_.A(0, 0);
@@ -180,9 +179,7 @@ void Riccati::forward(RightSide& right) const {
         for (int i = 0; i < nx; ++i) {
             Vector8 dot{};
             for (int c = 0; c < wp; c += 8) dot += load8(A + i * wp + c) * load8(w + c);
-            double sum = r[i];
-            for (int lane = 0; lane < 8; ++lane) sum += dot[lane];
-            s[i] = sum;
+            s[i] = r[i] + sum8(dot);
         }
         for (int i = 0; i < ns - nx; ++i) s[nx + i] = w[structure_.v_carried(i)];
     }

@@ -1,22 +1,23 @@
-// Eight doubles side by side, whatever the processor's own width: the compiler splits them.
+// Eight doubles side by side, whatever the processor's own width.
 #pragma once
 
-#include <cstring>
+#include "lanes.hpp"
 
 namespace skyknot::inline SKYKNOT_ISA {
 
-using Vector8 [[gnu::vector_size(64)]] = double;
+using Vector8 = Lanes<8>;
 
-[[gnu::always_inline]] inline Vector8 load8(const double* from) {
-    Vector8 v;
-    std::memcpy(&v, from, sizeof(v));
-    return v;
-}
-[[gnu::always_inline]] inline void store8(double* to, Vector8 v) {
-    std::memcpy(to, &v, sizeof(v));
-}
-[[gnu::always_inline]] inline Vector8 broadcast8(double x) {
-    return Vector8{x, x, x, x, x, x, x, x};
+SKYKNOT_INLINE Vector8 load8(const double* from) { return Vector8::load(from); }
+SKYKNOT_INLINE void store8(double* to, const Vector8& v) { v.store(to); }
+SKYKNOT_INLINE Vector8 broadcast8(double x) { return Vector8::all(x); }
+SKYKNOT_INLINE Vector8& operator+=(Vector8& a, const Vector8& b) { return a = a + b; }
+SKYKNOT_INLINE Vector8& operator-=(Vector8& a, const Vector8& b) { return a = a - b; }
+
+SKYKNOT_INLINE double sum8(const Vector8& v) {
+    double entries[8];
+    v.store(entries);
+    return ((entries[0] + entries[4]) + (entries[2] + entries[6])) +
+           ((entries[1] + entries[5]) + (entries[3] + entries[7]));
 }
 
 constexpr int padded8(int n) { return (n + 7) / 8 * 8; }
