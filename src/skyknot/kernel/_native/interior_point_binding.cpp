@@ -1,6 +1,5 @@
 #include "interior_point_binding.hpp"
 
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -14,9 +13,6 @@ namespace nb = nanobind;
 
 namespace skyknot::inline SKYKNOT_ISA {
 namespace {
-
-using Table = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using Written = nb::ndarray<nb::numpy, double, nb::ndim<2>, nb::c_contig>;
 
 template <class T>
 T get(const nb::dict& from, const char* name) {
@@ -49,15 +45,20 @@ Structure structure_of(const nb::dict& d) {
     return S;
 }
 
+}  // namespace
+
 void fill(RowBuffer& rows, const Table& values) {
     for (std::size_t i = 0; i < values.shape(0); ++i)
         std::copy_n(values.data() + i * values.shape(1), values.shape(1),
                     rows.row(static_cast<int>(i)));
 }
 
+namespace {
 void fill(RowBuffer& rows, const nb::dict& from, const char* name) {
-    fill(rows, get<Table>(from, name));
+    skyknot::fill(rows, get<Table>(from, name));
 }
+
+}  // namespace
 
 Written table(const RowBuffer& rows, int columns) {
     auto* memory = new double[at(std::max(1, rows.rows() * columns))];
@@ -65,6 +66,8 @@ Written table(const RowBuffer& rows, int columns) {
     const nb::capsule owner(memory, [](void* p) noexcept { delete[] static_cast<double*>(p); });
     return Written(memory, {at(rows.rows()), at(columns)}, owner);
 }
+
+namespace {
 
 // Infinite bounds become equality marks, masks and boxes.
 void fill_group(GroupState& group, const Table& lower, const Table& upper,
@@ -79,6 +82,8 @@ void fill_group(GroupState& group, const Table& lower, const Table& upper,
             if (low == high) group.slack.row(i)[k] = low, low = -INFINITY, high = INFINITY;
         }
 }
+
+}  // namespace
 
 void load(InteriorPoint& solver, const Structure& S, const nb::dict& d) {
     fill(solver.z, d, "z"), fill(solver.lower, d, "lower"), fill(solver.upper, d, "upper");
@@ -132,6 +137,8 @@ void load_multipliers(InteriorPoint& solver, const Structure& S, const nb::dict&
     }
 }
 
+namespace {
+
 nb::dict result_of(InteriorPoint& solver, const Structure& S, Outcome outcome) {
     nb::dict r;
     r["outcome"] = static_cast<int>(outcome);
@@ -161,11 +168,6 @@ nb::dict result_of(InteriorPoint& solver, const Structure& S, Outcome outcome) {
     r["gains"] = gains;
     return r;
 }
-
-struct Bound {
-    Structure structure;
-    std::unique_ptr<InteriorPoint> solver;
-};
 
 nb::dict solve(Bound& self, const nb::dict& data, const nb::dict& options, nb::object callback) {
     InteriorPoint& solver = *self.solver;

@@ -4,10 +4,12 @@
 
 #include "lanes.hpp"
 #include "interior_point_binding.hpp"
+#include "newton_binding.hpp"
 #include "tape_binding.hpp"
 
 NB_MODULE(SKYKNOT_MODULE, module) {
     module.attr("vector_width") = skyknot::native_width;
     skyknot::bind_tape(module);
     skyknot::bind_interior_point(module);
+    skyknot::bind_newton(module);
 }
