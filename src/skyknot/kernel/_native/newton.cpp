@@ -438,14 +438,14 @@ double Newton::solve(const RowBuffer& r, const double* r_q, const RowBuffer& d, 
         for (int i = 0; i < out.lambda.rows(); ++i)
             for (int k = 0; k < S_.N; ++k) out.lambda.row(i)[k] += lambda_.row(i)[k];
         for (int i = 0; i < S_.nq; ++i) out.q[at(i)] += step_q_[at(i)];
-        apply_rows(out.v, out.q.data());
+        // from this pass's step: of the sum, rounding times the weight would remain
+        apply_rows(step_, step_q_.data());
         for (int c = 0; c <= S_.classes(); ++c) {
             Group& group = groups[at(c)];
             for (int i = 0; i < group.weight.rows(); ++i)
                 for (int k = 0; k <= S_.N; ++k)
                     out.equality[at(c)].row(i)[k] +=
-                        group.equality.row(i)[k] *
-                        (group.residual.row(i)[k] + group.linear.row(i)[k]);
+                        t_[at(c)].row(i)[k] + group.equality.row(i)[k] * group.linear.row(i)[k];
         }
         for (std::size_t p = 0; p < pins.size(); ++p)
             out.pins[p] += pin_weight * out.v.row(pins[p].row)[pins[p].k];
