@@ -152,7 +152,8 @@ def half_space(name: str, normal: Vector, offset: float) -> PathConstraint:
 def corridor(name: str, start: Vector, end: Vector, radius: float) -> PathConstraint:
     """Stay within ``radius`` of the straight line through ``start`` and ``end`` (3,) [m].
 
-    The line has no ends: use it with an altitude band, or one corridor per leg.
+    The margin lies between half the distance to the wall and the distance. The line has no ends:
+    use it with an altitude band, or one corridor per leg.
     """
     a, b = np.array(_numbers(name, "start", start, 3)), np.array(_numbers(name, "end", end, 3))
     length = _positive(name, "length from start to end", float(np.linalg.norm(b - a)))
@@ -163,7 +164,7 @@ def corridor(name: str, start: Vector, end: Vector, radius: float) -> PathConstr
         rel = [x[i] - float(a[i]) for i in range(3)]
         along = sum(float(d[i]) * rel[i] for i in range(3))
         off = sum((rel[i] - along * float(d[i])) ** 2 for i in range(3))
-        return reach - ca.sqrt(off + (1e-3 * reach) ** 2)
+        return (reach**2 - off) / (2 * reach)  # smooth on the axis, at most the true distance
 
     sizes = {"start": tuple(a), "end": tuple(b), "radius": radius}
     shape = Shape("corridor", sizes, keep_in=True)
