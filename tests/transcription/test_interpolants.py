@@ -150,3 +150,24 @@ BAD = {
 def test_a_malformed_trajectory_is_refused(complaint):
     with pytest.raises(sk.UserError, match=complaint):
         sk.Trajectory(*BAD[complaint])
+
+
+@pytest.mark.parametrize("scheme", ["euler", "trapezoid, hold", "hermite-simpson"])
+def test_a_path_constraint_does_not_change_what_is_read_between_nodes(scheme):
+    """Constraints may be looked at where the scheme itself does not evaluate the rates."""
+    fence = sk.PathConstraint("fence", lambda x, u: x[0], upper=10.0)
+    fenced = sk.Problem(
+        "pendulum",
+        ["angle", "spin"],
+        ["torque"],
+        PENDULUM.dynamics,
+        horizon=2.0,
+        initial=[0.0, 0.0],
+        final=[1.0, 0.0],
+        running_cost=PENDULUM.running_cost,
+        path=[fence],
+    )
+    free, inside = (sk.solve(p, SCHEMES[scheme], tolerance=1e-12) for p in (PENDULUM, fenced))
+    t = np.linspace(0, 2, 41)
+    np.testing.assert_allclose(inside.state(t), free.state(t), atol=1e-6)
+    np.testing.assert_allclose(inside.state(inside.times), inside.states, atol=1e-12)

@@ -29,13 +29,14 @@ def trajectory(program: Program, points: Array, z: Array, values: Evaluation) ->
     X = z[layout.states_at(layout.state)]
     U = z[layout.controls_at(layout.control)]
     controls = np.concatenate([U[:, 0], U[-1:, -1]])
+    rated = np.any(program.A != 0, axis=0)  # path constraints may be seen at more points
     return Trajectory(
         times=T * np.concatenate([[0.0], np.cumsum(program.fractions)]),
         states=np.concatenate([X[:, 0], X[-1:, -1]]),
         controls=controls,
         segments=SegmentData(
-            rate_points=points[program.used],
-            rates=values.F[program.segment_points] / T,
+            rate_points=points[program.used[rated]],
+            rates=values.F[program.segment_points[:, rated]] / T,
             control_points=program.control_points,
             control_values=U,
             interior_points=points[1:-1],
