@@ -47,3 +47,20 @@ def test_both_solvers_agree_on_the_classics(make, controls: str) -> None:
     theirs = sk.solve(reference.problem, scheme, solver="ipopt", **settings)
     assert ours.success, ours.message
     assert ours.objective == pytest.approx(theirs.objective, rel=1e-6, abs=1e-6)
+
+
+def test_a_path_constraint_active_at_a_fixed_end_needs_no_interior() -> None:
+    problem = sk.Problem(
+        "climb from the floor",
+        ["height", "climb"],
+        ["thrust"],
+        lambda x, u: [x[1], u[0]],
+        horizon=1.0,
+        initial=[0.5, 0.0],
+        final=[1.0, 0.0],
+        running_cost=lambda x, u: u[0] ** 2,
+        path=[sk.PathConstraint("floor", lambda x, u: x[0], lower=0.5)],
+    )
+    solution = sk.solve(problem, sk.HermiteSimpson(20), solver="interior-point")
+    assert solution.success, solution.message
+    assert solution.objective == pytest.approx(12 * 0.5**2, rel=1e-6)

@@ -21,6 +21,9 @@ Array = NDArray[np.float64]
 Offsets = NDArray[np.intp]
 
 
+RELAXATION = 1e-8
+
+
 @dataclass(frozen=True)
 class Tapes:
     """The tapes of a program and the sparsity they write.
@@ -101,11 +104,14 @@ class Rows:
         self.rates = _RateTypes(program, self.S_u)
         self.path_scale = np.ones(ng)
         self.objective_scale = 1.0
+        self.path_columns: list[list[int]] = []
 
     def structure(self, patterns: dict[str, list[int]]) -> dict[str, Any]:
         """Return sizes, scheme and sparsity for the native constructor."""
         program = self.program
         nx, nu, nq, ng = program.sizes
+        pairs = list(zip(patterns["Jg_row"], patterns["Jg_column"], strict=True))
+        self.path_columns = [[c for r, c in pairs if r == row] for row in range(ng)]
         return {
             "nx": nx, "nu": nu, "nq": nq, "ng": ng, "N": self.N,
             "s": program.layout.state.shape[1], "m": program.layout.control.shape[1],
@@ -137,12 +143,13 @@ class Rows:
         self.fixed_first = fixed_first
         q = layout.global_positions
         cost = program.point_cost * self.objective_scale
+        path = self._relaxed_path_bounds(z)
         bounds = [
             [
                 np.ascontiguousarray(side[points].T / self.path_scale[:, None])
                 for points in self.classes
             ]
-            for side in (program.path_lower, program.path_upper)
+            for side in path
         ]
         return {
             "z": self.to_rows(z) / scale,
@@ -168,6 +175,30 @@ class Rows:
             "pin_k": self.pins[:, 1].tolist(),
             "fixed_first": fixed_first.astype(int).tolist(),
         }
+
+    def _relaxed_path_bounds(self, z: Array) -> tuple[Array, Array]:
+        """Return (P, ng) path bounds as the barrier can meet them.
+
+        Inequalities are relaxed by 1e-8 (relative) so that one exactly active where nothing can
+        move still has an interior; Wächter & Biegler 2006, section 3.5. At a node whose state is
+        fixed, a row of the state alone is settled: it is dropped when it holds.
+        """
+        program = self.program
+        lower, upper = program.path_lower.copy(), program.path_upper.copy()
+        loose = lower < upper
+        lower[loose] -= RELAXATION * np.maximum(1.0, np.abs(lower[loose]))
+        upper[loose] += RELAXATION * np.maximum(1.0, np.abs(upper[loose]))
+        fixed = (program.lower == program.upper)[program.layout.states_at(program.point_state)]
+        nx = program.layout.nx
+        for point in np.flatnonzero(fixed.all(axis=1)) if self.path_columns else ():
+            x, u = program.point_states(z)[point], program.point_controls(z)[point]
+            g = program.point(x, u, program.globals_of(z), program.point_time[point])[2]
+            for row, columns in enumerate(self.path_columns):
+                value = float(g[row])
+                holds = lower[point, row] <= value <= upper[point, row]
+                if holds and all(column < nx for column in columns):
+                    lower[point, row], upper[point, row] = -np.inf, np.inf
+        return lower, upper
 
     def unknowns(self, result: dict[str, Any]) -> Array:
         """Return z of a native result."""
