@@ -84,7 +84,8 @@ def test_multipliers_go_down_to_the_graph_and_come_back(problem, scheme):
     m.rates[(m.rates > 0) & ~np.isfinite(program.rates.upper)] = 0.0
     m.rates[(m.rates < 0) & ~np.isfinite(program.rates.lower)] = 0.0
     nlp = nonlinear_program(program)
-    back = nlp.lifted(z[nlp.kept], m.bounds[nlp.kept], nlp.lowered(m))[1]
+    scaled = z[nlp.kept] / nlp.scale, m.bounds[nlp.kept] * nlp.scale
+    back = nlp.lifted(*scaled, nlp.lowered(m))[1]
     np.testing.assert_allclose(back.defects[:, -1], m.defects[:, -1])
     np.testing.assert_allclose(back.path, m.path)
     np.testing.assert_allclose(back.rates, m.rates)
