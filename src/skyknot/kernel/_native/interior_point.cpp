@@ -16,6 +16,8 @@ double clock_seconds() {
 constexpr double kappa_epsilon = 10.0, kappa_mu = 0.2, theta_mu = 1.5, tau_min = 0.99;
 constexpr double s_max = 100.0;
 constexpr double delta_first = 1e-4, delta_smallest = 1e-20, delta_largest = 1e20;
+// A regularisation above this was needed so clearly that the next try starts from a third of it.
+constexpr double delta_persistent = 0.1;
 constexpr double equality_weight = 1e8;
 
 }  // namespace
@@ -339,7 +341,8 @@ bool InteriorPoint::factor() {
     for (Group& group : newton.groups) group.weight.clear();
     for (const Bounded& b : bounded_) b.box.add_sigma(b.weight);
     newton.regularisation = 0.0;
-    if (newton.factor()) return true;
+    const bool still_needed = history.back().regularisation > delta_persistent;
+    if (!still_needed && newton.factor()) return true;
     double delta = last_regularisation_ == 0.0
                        ? delta_first
                        : std::max(delta_smallest, last_regularisation_ / 3.0);
