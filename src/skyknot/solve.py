@@ -6,6 +6,7 @@ import hashlib
 import platform
 import time
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
@@ -13,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skyknot.errors import UserError
-from skyknot.problem.guess import initial_guess
+from skyknot.problem.guess import ladder
 from skyknot.problem.problem import Problem
 from skyknot.solution import HISTORY, Record, Solution
 from skyknot.solvers import SOLVERS
 from skyknot.solvers.base import Callback, Solver, SolverResult
+from skyknot.status import Status
 from skyknot.trajectory import Trajectory
 from skyknot.transcription import DOORS, Transcription
 from skyknot.transcription.recover import multipliers_from, recover, same_unknowns
@@ -46,7 +48,7 @@ def solve(
     solver : a name, an object with settings such as ``Ipopt(max_iterations=50)``, or a mapping
         such as ``{"name": "ipopt", "max_iterations": 50}``
     guess : a Trajectory, a Solution (its multipliers are used too when the mesh is the same), or
-        None for the guess ladder
+        None for the guess ladder, whose next rung is tried when a start fails
     tolerance : on the optimality conditions, in the user's units
     callback : called with an IterationRecord each iteration; returning True stops the solve
 
@@ -55,19 +57,59 @@ def solve(
     UserError
         Before iterating, with the name of the offending argument.
     """
-    watch = _Stopwatch()
     scheme = resolve_transcription(transcription)
     chosen = resolve_solver(solver)
     _check_arguments(problem, guess, tolerance)
-    start, rung = _start(problem, guess)
-    watch.lap("guess")
-    program = scheme.program(problem, start)
+    task = _Task(problem, scheme, chosen, tolerance, callback)
+    if guess is not None:
+        return _attempt(task, guess, "solution" if isinstance(guess, Solution) else "user")
+    failed: list[Solution] = []
+    for start, rung in ladder(problem):
+        solution = _attempt(task, start, rung)
+        if solution.status not in _WORTH_ANOTHER_START:
+            return solution
+        failed.append(solution)
+    return _least_violated(failed)
+
+
+@dataclass(frozen=True)
+class _Task:
+    problem: Problem
+    scheme: Transcription
+    solver: Solver
+    tolerance: float
+    callback: Callback | None
+
+
+_WORTH_ANOTHER_START = (
+    Status.INFEASIBLE,
+    Status.STALLED,
+    Status.ITERATION_LIMIT,
+    Status.EVALUATION_ERROR,
+)
+
+
+def _least_violated(failed: list[Solution]) -> Solution:
+    """Return the failed solution nearest to feasible; it says how many starts were tried."""
+    best = min(failed, key=lambda solution: np.nan_to_num(solution.max_defect, nan=np.inf))
+    if len(failed) == 1:
+        return best
+    tried = f"{len(failed)} starts of the guess ladder were tried."
+    return replace(best, record=replace(best.record, detail=f"{best.record.detail} {tried}"))
+
+
+def _attempt(task: _Task, guess: Trajectory | Solution, rung: str) -> Solution:
+    """Solve from one guess."""
+    problem, scheme, chosen = task.problem, task.scheme, task.solver
+    tolerance = task.tolerance
+    watch = _Stopwatch()
+    program = scheme.program(problem, guess.trajectory if isinstance(guess, Solution) else guess)
     multipliers = None
     if isinstance(guess, Solution) and _is_of(program, guess):
         multipliers = multipliers_from(program, guess.multipliers)
         program = program.starting_at(np.clip(guess.decision, program.lower, program.upper))
     watch.lap("transcription")
-    result = chosen.solve(program, tolerance, multipliers, callback)
+    result = chosen.solve(program, tolerance, multipliers, task.callback)
     watch.lap("solver")
     recovered = recover(program, scheme.table.points, result.z, result.multipliers)
     watch.lap("recovery")
@@ -198,12 +240,6 @@ def _check_arguments(problem: Problem, guess: object, tolerance: float) -> None:
             expected="a Trajectory, a Solution or None",
             do="Wrap arrays as sk.Trajectory(times, states, controls).",
         )
-
-
-def _start(problem: Problem, guess: Trajectory | Solution | None) -> tuple[Trajectory, str]:
-    if guess is None:
-        return initial_guess(problem)
-    return (guess.trajectory, "solution") if isinstance(guess, Solution) else (guess, "user")
 
 
 def _is_of(program: Any, guess: Solution) -> bool:

@@ -45,7 +45,7 @@ def test_the_record_tells_how_the_solution_came_to_be(solution):
     assert (record.solver, record.segments, record.tolerance) == ("ipopt", 20, 1e-9)
     assert record.frame == "NED"
     assert set(record.versions) >= {"skyknot", "casadi", "numpy", "python"}
-    assert set(record.timings) == {"guess", "transcription", "solver", "recovery"}
+    assert set(record.timings) == {"transcription", "solver", "recovery"}
     assert len(record.inputs_hash) == 64
 
 

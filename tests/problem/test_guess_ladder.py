@@ -144,3 +144,39 @@ def test_the_solution_tells_which_rung_it_started_from():
     assert first.record.guess == "straight line"
     assert sk.solve(problem, sk.Trapezoid(5), guess=first).record.guess == "solution"
     assert sk.solve(problem, sk.Trapezoid(5), guess=first.trajectory).record.guess == "user"
+
+
+def past_a_tower(**extras):
+    """Return a point that must pass a tower standing on the straight way."""
+    asked = {
+        "states": ["x", "y", "z", "vx", "vy", "vz"],
+        "controls": ["ax", "ay", "az"],
+        "dynamics": lambda x, u: [x[3], x[4], x[5], u[0], u[1], u[2]],
+        "horizon": 5.0,
+        "initial": [0.0] * 6,
+        "final": [10.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        "running_cost": lambda x, u: u[0] ** 2 + u[1] ** 2 + u[2] ** 2,
+        "path": [sk.cylinder("tower", (5.0, 0.0), 1.0)],
+    }
+    return sk.Problem("past a tower", **(asked | extras))
+
+
+def test_the_ladder_goes_round_and_over_drawn_obstacles():
+    rungs = {name: guess for guess, name in ladder(past_a_tower())}
+    assert list(rungs) == [
+        "straight line",
+        "line bowed left",
+        "line bowed right",
+        "line bowed over",
+    ]
+    middle = {name: guess.state(2.5) for name, guess in rungs.items()}
+    assert middle["line bowed left"][1] == pytest.approx(3.0)
+    assert middle["line bowed right"][1] == pytest.approx(-3.0)
+    assert middle["line bowed over"][2] == pytest.approx(-3.0)
+
+
+def test_a_failed_start_is_followed_by_the_next_rung():
+    blocked = past_a_tower(control_bounds=(-0.1, 0.1))
+    solution = sk.solve(blocked, sk.HermiteSimpson(10))
+    assert not solution.success
+    assert "4 starts of the guess ladder were tried" in solution.message

@@ -5,6 +5,8 @@ Legend: T duration, s in [0, 1] fraction of it, d^i/dt^i written by the order i.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,6 +19,8 @@ from skyknot.trajectory import Trajectory
 Array = NDArray[np.float64]
 
 NODES = 41
+# Height of a bowed guess, as a share of the distance.
+BOW = 0.3
 # Rest-to-rest minimum-snap polynomial 35 s⁴ − 84 s⁵ + 70 s⁶ − 20 s⁷: three derivatives vanish at
 # both ends, so the lifted attitude and body rates start and end at rest (Mellinger & Kumar 2011).
 REST_TO_REST = np.polynomial.Polynomial([0, 0, 0, 0, 35, -84, 70, -20])
@@ -30,10 +34,39 @@ def initial_guess(problem: Problem) -> tuple[Trajectory, str]:
     guess : Trajectory over the problem's duration, or the start of its free horizon
     rung : "flat lift" or "straight line"
     """
+    return next(ladder(problem))
+
+
+def ladder(problem: Problem) -> Iterator[tuple[Trajectory, str]]:
+    """Yield the rungs from best to last: (guess, name).
+
+    A flat lift where it applies, the straight line, and around drawn obstacles the straight line
+    bowed to either side and over the top by ``BOW`` of its length.
+    """
     lifted = flat_lift(problem)
     if lifted is not None:
-        return lifted, "flat lift"
-    return straight_line(problem), "straight line"
+        yield lifted, "flat lift"
+    line = straight_line(problem)
+    yield line, "straight line"
+    if any(entry.shape is not None for entry in problem.path) and problem.nx >= 3:
+        way = line.states[-1, :3] - line.states[0, :3]
+        length = float(np.linalg.norm(way))
+        side = np.array([-way[1], way[0], 0.0]) / max(float(np.hypot(way[0], way[1])), 1e-9)
+        for direction, name in ((side, "left"), (-side, "right"), (np.array([0, 0, -1.0]), "over")):
+            yield _bowed(problem, line, BOW * length * direction), f"line bowed {name}"
+
+
+def _bowed(problem: Problem, line: Trajectory, offset: Array) -> Trajectory:
+    times = np.linspace(line.times[0], line.times[-1], NODES)
+    states = line.state(times)
+    states[:, :3] += np.sin(np.pi * np.linspace(0, 1, NODES))[:, None] * offset
+    return Trajectory(
+        times,
+        np.clip(states, problem.state_lower, problem.state_upper),
+        line.control(times),
+        state_names=problem.state_names,
+        control_names=problem.control_names,
+    )
 
 
 def straight_line(problem: Problem) -> Trajectory:
