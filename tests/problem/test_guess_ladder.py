@@ -8,6 +8,7 @@ import pytest
 
 import skyknot as sk
 from skyknot.models import Allocation, Vehicle
+from skyknot.problem.guess import ladder
 
 
 def craft(**changes):
