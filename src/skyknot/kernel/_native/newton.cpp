@@ -10,6 +10,12 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+void copy_direction(const Direction& from, Direction& to) {
+    to.v.copy(from.v), to.lambda.copy(from.lambda);
+    to.q = from.q, to.pins = from.pins;
+    for (std::size_t g = 0; g < from.equality.size(); ++g) to.equality[g].copy(from.equality[g]);
+}
+
 double largest(const RowBuffer& rows, const Structure& S) {
     double most = 0.0;
     for (int i = 0; i < rows.rows(); ++i) {
@@ -46,6 +52,7 @@ Newton::Newton(Points& points, const Tape& terminal, bool elastic)
       step_q_(at(S_.nq)),
       residual_q_(at(S_.nq)),
       step_scalars_(scalar::first_global + at(S_.nq)),
+      factor_sources_(source::first_class + 2 * at(S_.classes())),
       nu_(S_, S_.nx),
       terminal_workspace_(make_workspace(terminal.workspace_size(8))),
       program_workspace_(make_workspace(
@@ -65,6 +72,7 @@ Newton::Newton(Points& points, const Tape& terminal, bool elastic)
         groups.push_back({{S_, rows}, {S_, rows}, {S_, rows}, {S_, rows}, {S_, rows}});
         t_.emplace_back(S_, rows);
     }
+    kept_ = direction();
     terminal_.prepare<8>(terminal_workspace_.get());
 }
 
@@ -106,7 +114,7 @@ bool Newton::factor() {
         for (int r = 0; r < groups.back().total.rows(); ++r) groups.back().total.row(r)[0] = 0.0;
     for (const Pin& pin : pins) weight_v.row(pin.row)[pin.k] += pin_weight;
 
-    std::vector<const double*> sources(source::first_class + 2 * at(S_.classes()));
+    std::vector<const double*>& sources = factor_sources_;
     sources[source::fixed] = points_.length.origin();
     sources[source::weight_v] = weight_v.origin();
     sources[source::weight_r] = groups.back().total.origin();
@@ -392,7 +400,6 @@ double Newton::residual(const RowBuffer& r, const double* r_q, const RowBuffer& 
             for (int k = 0; k <= S_.N; ++k)
                 if (group.equality.row(i)[k] > 0.0)
                     most = std::max(most, std::abs(group.residual.row(i)[k] + group.linear.row(i)[k]));
-    for (const Pin& pin : pins) most = std::max(most, std::abs(now.v.row(pin.row)[pin.k]));
     for (int i = 0; i < S_.nx; ++i)
         if (riccati_.fixed_first[at(i)]) gradient_.row(S_.state_row(0, i))[0] = 0.0;
     for (int row = 0; row < S_.v_rows(); ++row)
@@ -430,8 +437,6 @@ double Newton::solve(const RowBuffer& r, const double* r_q, const RowBuffer& d, 
             }
         }
         points_.add_rates_transposed(t_.back(), gradient_, residual_q_.data());
-        for (const Pin& pin : pins)
-            gradient_.row(pin.row)[pin.k] += pin_weight * out.v.row(pin.row)[pin.k];
         structured_solve(gradient_, residual_q_.data(), defect_, step_, step_q_.data(), lambda_);
         for (int row = 0; row < S_.v_rows(); ++row)
             for (int k = 0; k < S_.count(row); ++k) out.v.row(row)[k] += step_.row(row)[k];
@@ -447,14 +452,23 @@ double Newton::solve(const RowBuffer& r, const double* r_q, const RowBuffer& d, 
                     out.equality[at(c)].row(i)[k] +=
                         t_[at(c)].row(i)[k] + group.equality.row(i)[k] * group.linear.row(i)[k];
         }
-        for (std::size_t p = 0; p < pins.size(); ++p)
-            out.pins[p] += pin_weight * out.v.row(pins[p].row)[pins[p].k];
+        // put pins back within the pass, so that the next one sees what that leaves
+        for (std::size_t p = 0; p < pins.size(); ++p) {
+            out.pins[p] += pin_weight * step_.row(pins[p].row)[pins[p].k];
+            out.v.row(pins[p].row)[pins[p].k] = 0.0;
+        }
         if (elastic_) return 0.0;  // a restoration step needs no refinement
         left = residual(r, r_q, d, out);
+        if (left > before) {  // the last pass did harm
+            copy_direction(kept_, out);
+            apply_rows(out.v, out.q.data());
+            left = before;
+            break;
+        }
         if (!(left > 1e-10 * scale) || pass >= refinements || left > 0.5 * before) break;
         before = left;
+        copy_direction(out, kept_);
     }
-    for (const Pin& pin : pins) out.v.row(pin.row)[pin.k] = 0.0;
     return scale > 0.0 ? left / scale : left;
 }
 

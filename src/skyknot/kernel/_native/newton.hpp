@@ -96,7 +96,9 @@ private:
     std::vector<double> schur_, terminal_q_;  // (nq, nq) Cholesky; (sp, nq) terminal g_q
     RowBuffer segment_, reduced_, costate_, elastic_step_;
     RowBuffer gradient_, defect_, step_, lambda_;
+    Direction kept_;  // before the last refinement
     std::vector<double> gradient_q_, step_q_, residual_q_, step_scalars_;
+    std::vector<const double*> factor_sources_;
     std::vector<RowBuffer> y_, out_, F_;
     RowBuffer nu_;
     std::vector<RowBuffer> t_;

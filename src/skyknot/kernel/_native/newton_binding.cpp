@@ -16,8 +16,6 @@ namespace {
 
 constexpr double equality_weight = 1e8;
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 template <class T>
 T get(const nb::dict& from, const char* name) {
     return nb::cast<T>(from[name]);
