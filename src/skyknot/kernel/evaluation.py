@@ -1,6 +1,7 @@
 """Values and first derivatives of a program at z, for residuals and recovered costates.
 
-Legend: as in program.py; J marks Jacobians with respect to y = (x, u, q).
+Legend: as in program.py; J marks Jacobians with respect to y = (x, u, q). The functions are run on
+the tape, over lanes of points: nothing of it holds the interpreter while other threads solve.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skyknot.kernel.program import Multipliers, Program
+from skyknot.kernel.tape import Tape
 
 Array = NDArray[np.float64]
 
@@ -39,46 +41,50 @@ class Evaluation:
 
 
 @lru_cache(maxsize=32)
-def first_order(point: ca.Function) -> ca.Function:
-    """Return (x, u, q, τ) → (L, F, g, ∂L, ∂F, ∂g) with dense Jacobians over y = (x, u, q)."""
-    x, u, q, tau = (ca.SX.sym(n, *point.size_in(i)) for i, n in enumerate(("x", "u", "q", "τ")))
-    L, F, g = point(x, u, q, tau)
-    y = ca.vertcat(x, u, q)
-    jacobians = [ca.densify(ca.jacobian(e, y)) for e in (L, F, g)]
-    return ca.Function("first_order", [x, u, q, tau], [L, F, g, *jacobians])
+def first_order(point: ca.Function) -> Tape:
+    """Return (x, u, q, τ, p) → (L, F, g, ∂L, ∂F, ∂g) with dense Jacobians over y = (x, u, q)."""
+    inputs = [ca.SX.sym(point.name_in(i), *point.size_in(i)) for i in range(5)]
+    values = [ca.densify(value) for value in point(*inputs)]
+    y = ca.vertcat(*inputs[:3])
+    jacobians = [ca.densify(ca.jacobian(e, y)) for e in values]
+    return Tape(ca.Function("first_order", inputs, ca.cse([*values, *jacobians])))
 
 
 def evaluate(program: Program, z: Array) -> Evaluation:
     """Return values and first derivatives of the program at z."""
     nx, nu, nq, ng = program.sizes
     P, ny = len(program.point_state), nx + nu + nq
-    q = program.globals_of(z)
-    values = first_order(program.point).map(P)(
-        program.point_states(z).T,
-        program.point_controls(z).T,
-        ca.repmat(ca.DM(q), 1, P) if nq else ca.DM(0, P),
-        program.point_time[None, :],
+    q, p = program.globals_of(z), program.parameters
+    L, F, g, JL, JF, Jg = first_order(program.parametric_point).evaluate(
+        [
+            program.point_states(z),
+            program.point_controls(z),
+            np.broadcast_to(q, (P, nq)),
+            program.point_time[:, None],
+            np.broadcast_to(p, (P, len(p))),
+        ]
     )
-    L, F, g, JL, JF, Jg = (np.asarray(value) for value in values)
     x_end = z[program.layout.states_at(program.layout.state[-1, -1:])[0]]
-    M, JM = _terminal(program.terminal)(x_end, q)
+    M, JM = _terminal(program.parametric_terminal).evaluate([x_end[None], q[None], p[None]])
     return Evaluation(
-        L=L.ravel(),
-        F=F.T,
-        g=g.reshape(ng, P).T,
-        JL=JL.reshape(P, ny),
-        JF=JF.reshape(nx, P, ny).transpose(1, 0, 2),
-        Jg=Jg.reshape(ng, P, ny).transpose(1, 0, 2),
-        M=float(M),
-        JM=np.asarray(JM).ravel(),
+        L=L[:, 0],
+        F=F,
+        g=g,
+        JL=JL,
+        JF=JF.reshape(P, ny, nx).transpose(0, 2, 1),
+        Jg=Jg.reshape(P, ny, ng).transpose(0, 2, 1),
+        M=float(M[0, 0]),
+        JM=JM[0],
     )
 
 
 @lru_cache(maxsize=32)
-def _terminal(terminal: ca.Function) -> ca.Function:
-    x, q = ca.SX.sym("x", *terminal.size_in(0)), ca.SX.sym("q", *terminal.size_in(1))
-    M = terminal(x, q)
-    return ca.Function("terminal", [x, q], [M, ca.densify(ca.gradient(M, ca.vertcat(x, q)))])
+def _terminal(terminal: ca.Function) -> Tape:
+    """Return (x, q, p) → (M, ∂M) with the gradient over (x, q)."""
+    inputs = [ca.SX.sym(terminal.name_in(i), *terminal.size_in(i)) for i in range(3)]
+    M = ca.densify(terminal(*inputs))
+    slope = ca.densify(ca.gradient(M, ca.vertcat(*inputs[:2])))
+    return Tape(ca.Function("terminal", inputs, [M, slope]))
 
 
 def objective(program: Program, values: Evaluation) -> float:

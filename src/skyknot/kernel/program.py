@@ -1,15 +1,16 @@
 """The finite program: what a transcription builds and every solver solves.
 
 Legend: N segments, s state points and m control values in a segment, P evaluated points, nx states,
-nu controls, nq globals q (free duration, free parameters), ng path rows, T duration.
+nu controls, nq globals q (free duration, free parameters), p parameters that are given, ng path
+rows, T duration.
 
     minimise    Σ_j c_j L(x_j, u_j, q; τ_j) + M(x_N, q)
-    subject to  Σ_j C_ij x_kj + δ_k Σ_j A_ij F(x_kj, u_kj, q; τ_kj) = 0   (defects, row i, segment k)
+    subject to  Σ_j C_ij x_kj + δ_k Σ_j A_ij F(x_kj, u_kj, q; τ_kj) = 0  (defects, row i, segment k)
                 path_lower ≤ g(x_j, u_j, q; τ_j) ≤ path_upper               (at each point)
                 δ_k T rate_lower ≤ D_k U_k ≤ δ_k T rate_upper               (rows on control values)
                 lower ≤ z ≤ upper
 with L = T ℓ and F = T f, so that the segment lengths δ_k are fractions of the horizon and the
-duration enters only through the point functions.
+duration enters only through the point functions. L, F, g and M read p as well.
 
 Multipliers follow L = objective + λᵀ defects + μᵀ g + ρᵀ rates + ζᵀ z with μ, ρ, ζ positive at
 an upper bound and negative at a lower one.
@@ -18,6 +19,7 @@ an upper bound and negative at a lower one.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -70,8 +72,9 @@ class Program:
 
     Attributes
     ----------
-    point : CasADi function (x, u, q, τ) → (L, F, g)
-    terminal : CasADi function (x, q) → M
+    parametric_point : CasADi function (x, u, q, τ, p) → (L, F, g)
+    parametric_terminal : CasADi function (x, q, p) → M
+    parameters : (np,) values of p, named ``parameter_names``
     C, A : scheme rows; A has one column per *evaluated* point of a segment
     control_weights : (s_used, m) control at evaluated point = Σ weight · control value
     shared : whether first and last control value belong to the nodes
@@ -90,8 +93,10 @@ class Program:
     control_names: tuple[str, ...]
     global_names: tuple[str, ...]
     path_names: tuple[str, ...]
-    point: ca.Function
-    terminal: ca.Function
+    parameter_names: tuple[str, ...]
+    parametric_point: ca.Function
+    parametric_terminal: ca.Function
+    parameters: Array
     C: Array
     A: Array
     control_weights: Array
@@ -126,6 +131,16 @@ class Program:
         """N."""
         return len(self.fractions)
 
+    @cached_property
+    def point(self) -> ca.Function:
+        """(x, u, q, τ) → (L, F, g) at the program's parameters."""
+        return _at(self.parametric_point, self.parameters)
+
+    @cached_property
+    def terminal(self) -> ca.Function:
+        """(x, q) → M at the program's parameters."""
+        return _at(self.parametric_terminal, self.parameters)
+
     @property
     def point_cost(self) -> Array:
         """(P,) cost weights c_j."""
@@ -155,6 +170,10 @@ class Program:
         """Return the same program with another start."""
         return replace(self, start=z)
 
+    def with_parameters(self, values: Array) -> Program:
+        """Return the same program at other parameters, (np,)."""
+        return replace(self, parameters=values)
+
     def empty_multipliers(self) -> Multipliers:
         """Return zero multipliers of the right shapes."""
         nx, _, _, ng = self.sizes
@@ -178,3 +197,11 @@ class Program:
             return f"{self.state_names[inside]} in segment {k + (j == len(self.C))}"
         k = int(np.argwhere(layout.control == first)[0][0])
         return f"{self.control_names[inside]} in segment {k}"
+
+
+def _at(function: ca.Function, parameters: Array) -> ca.Function:
+    """Return a function without its last input, which takes these values."""
+    inputs = [
+        ca.SX.sym(function.name_in(i), *function.size_in(i)) for i in range(function.n_in() - 1)
+    ]
+    return ca.Function(function.name(), inputs, function.call([*inputs, ca.SX(parameters)]))

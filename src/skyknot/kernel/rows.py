@@ -6,6 +6,7 @@ objective σ f. One row holds one quantity of all segments (or nodes).
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,8 +31,8 @@ class Tapes:
 
     Attributes
     ----------
-    value : (x, u, q, τ) → (L, F, g); full : (x, u, q, τ, c, ν, y) → L, F, g, ∂L, ∂F, ∂g, H;
-    terminal : (x, q) → M, ∂M, ∂²M; patterns : rows and columns of the non-zeros
+    value : (x, u, q, τ, p) → (L, F, g); full : (x, u, q, τ, p, c, ν, y) → L, F, g, ∂L, ∂F, ∂g, H;
+    terminal : (x, q, p) → M, ∂M, ∂²M; patterns : rows and columns of the non-zeros
     """
 
     value: Tape
@@ -45,18 +46,19 @@ def tapes(program: Program, path_scale: Array) -> Tapes:
     nx, nu, nq, ng = program.sizes
     S_x, S_u, S_q = _scales(program)
     x, u, q, tau = (ca.SX.sym(n, k) for n, k in (("x", nx), ("u", nu), ("q", nq), ("tau", 1)))
-    L, F, g = program.point(x * S_x, u * S_u, q * S_q if nq else q, tau)
+    p = ca.SX.sym("p", len(program.parameters))
+    L, F, g = program.parametric_point(x * S_x, u * S_u, q * S_q if nq else q, tau, p)
     F, g = ca.densify(F) / S_x, ca.densify(g) / path_scale if ng else g
     y = ca.vertcat(x, u, q)
     c, nu_F, nu_g = ca.SX.sym("c"), ca.SX.sym("nu", nx), ca.SX.sym("y", ng)
     JL, JF, Jg = ca.gradient(L, y), ca.jacobian(F, y), ca.jacobian(g, y)
     H = ca.tril(ca.hessian(c * L + ca.dot(nu_F, F) + (ca.dot(nu_g, g) if ng else 0), y)[0])
-    value = _function("value", [x, u, q, tau], [ca.densify(L), F, g])
-    full = _function("full", [x, u, q, tau, c, nu_F, nu_g], [ca.densify(L), F, g, JL, JF, Jg, H])
-    M = program.terminal(x * S_x, q * S_q if nq else q)
+    value = _function("value", [x, u, q, tau, p], [ca.densify(L), F, g])
+    full = _function("full", [x, u, q, tau, p, c, nu_F, nu_g], [ca.densify(L), F, g, JL, JF, Jg, H])
+    M = program.parametric_terminal(x * S_x, q * S_q if nq else q, p)
     end = ca.vertcat(x, q)
     HM, JM = ca.hessian(M, end)
-    terminal = _function("terminal", [x, q], [ca.densify(e) for e in (M, JM, HM)])
+    terminal = _function("terminal", [x, q, p], [ca.densify(e) for e in (M, JM, HM)])
     patterns = {"gradient": JL.sparsity().get_triplet()[0]}
     for name, matrix in (("JF", JF), ("Jg", Jg), ("H", H)):
         patterns[f"{name}_row"], patterns[f"{name}_column"] = matrix.sparsity().get_triplet()
@@ -106,6 +108,12 @@ class Rows:
         self.objective_scale = 1.0
         self.path_columns: list[list[int]] = []
 
+    def at(self, program: Program) -> Rows:
+        """Return the rows of a program that differs in numbers only; see Prepared."""
+        other = copy.copy(self)
+        other.program = program
+        return other
+
     def structure(self, patterns: dict[str, list[int]]) -> dict[str, Any]:
         """Return sizes, scheme and sparsity for the native constructor."""
         program = self.program
@@ -113,7 +121,7 @@ class Rows:
         pairs = list(zip(patterns["Jg_row"], patterns["Jg_column"], strict=True))
         self.path_columns = [[c for r, c in pairs if r == row] for row in range(ng)]
         return {
-            "nx": nx, "nu": nu, "nq": nq, "ng": ng, "N": self.N,
+            "nx": nx, "nu": nu, "nq": nq, "ng": ng, "N": self.N, "np": len(program.parameters),
             "s": program.layout.state.shape[1], "m": program.layout.control.shape[1],
             "shared": bool(program.shared), "carry": bool(self.rates.carry),
             "free_duration": program.duration is None,
@@ -160,6 +168,7 @@ class Rows:
             "q_lower": (program.lower[q] / self.S_q).tolist(),
             "q_upper": (program.upper[q] / self.S_q).tolist(),
             "q_scale": self.S_q.tolist(),
+            "parameters": program.parameters.tolist(),
             "defect_scale": self.S_x.tolist(),
             "objective_scale": self.objective_scale,
             "length": np.vstack([program.fractions, self.rates.coefficients(self.S_q)]),
@@ -192,7 +201,8 @@ class Rows:
         nx = program.layout.nx
         for point in np.flatnonzero(fixed.all(axis=1)) if self.path_columns else ():
             x, u = program.point_states(z)[point], program.point_controls(z)[point]
-            g = program.point(x, u, program.globals_of(z), program.point_time[point])[2]
+            q, tau = program.globals_of(z), program.point_time[point]
+            g = program.parametric_point(x, u, q, tau, program.parameters)[2]
             for row, columns in enumerate(self.path_columns):
                 value = float(g[row])
                 holds = lower[point, row] <= value <= upper[point, row]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -66,8 +67,24 @@ class Prepared:
     def __init__(self, program: Program) -> None:
         self.program = program
         self.rows = Rows(program)
-        made = tapes(program, self.rows.path_scale)
-        self.native = native_solver(self.rows.structure(made.patterns), made)
+        self._tapes = tapes(program, self.rows.path_scale)
+        self._structure = self.rows.structure(self._tapes.patterns)
+        self.native = native_solver(self._structure, self._tapes)
+
+    def at(self, program: Program) -> Prepared:
+        """Return the same workspace for a program that differs in numbers only.
+
+        That is in bounds, start and parameters: functions, scheme, sizes and scales are the same.
+        """
+        other = copy.copy(self)
+        other.program, other.rows = program, self.rows.at(program)
+        return other
+
+    def another(self) -> Prepared:
+        """Return a second workspace on the same tapes, for another thread."""
+        other = copy.copy(self)
+        other.native = native_solver(self._structure, self._tapes)
+        return other
 
     def solve(
         self,

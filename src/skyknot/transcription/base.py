@@ -20,7 +20,13 @@ from skyknot.kernel.program import Program
 from skyknot.problem.problem import Problem
 from skyknot.trajectory import Trajectory
 from skyknot.transcription.mesh import with_nodes_at
-from skyknot.transcription.pointwise import global_names, point_function, terminal_function
+from skyknot.transcription.pointwise import (
+    global_names,
+    parameter_names,
+    parameter_values,
+    point_function,
+    terminal_function,
+)
 from skyknot.transcription.rates import rate_rows
 from skyknot.transcription.scales import decision_scales
 from skyknot.transcription.table import SchemeTable
@@ -87,8 +93,10 @@ class Transcription:
             control_names=problem.control_names,
             global_names=names,
             path_names=tuple(entry.name for entry in problem.constraints),
-            point=point_function(problem),
-            terminal=terminal_function(problem),
+            parameter_names=parameter_names(problem),
+            parametric_point=point_function(problem),
+            parametric_terminal=terminal_function(problem),
+            parameters=parameter_values(problem),
             C=self.table.C,
             A=self.table.A[:, points.used],
             control_weights=points.weights[points.used],

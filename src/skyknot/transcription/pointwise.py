@@ -1,14 +1,19 @@
 """The problem's callables as CasADi functions of one point, scaled by the duration.
 
 Legend: T duration, L = T ℓ, F = T f, g path and point constraints, τ fraction of the horizon,
-q globals: T when it is free, then the free parameters.
+q globals: T when it is free, then the free parameters; p the fixed parameters, inputs as well, so
+that one function serves all their values.
 """
 
 from __future__ import annotations
 
 import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
 
 from skyknot.problem.problem import Parameters, Problem
+
+Array = NDArray[np.float64]
 
 
 def global_names(problem: Problem) -> tuple[str, ...]:
@@ -16,28 +21,47 @@ def global_names(problem: Problem) -> tuple[str, ...]:
     return (("horizon",) if problem.free_horizon else ()) + tuple(problem.free_parameters)
 
 
+def parameter_names(problem: Problem) -> tuple[str, ...]:
+    """Return the names of the fixed parameters p."""
+    return tuple(name for name in problem.parameters if name not in problem.free_parameters)
+
+
+def parameter_values(problem: Problem) -> Array:
+    """Return the values of the fixed parameters p, (np,)."""
+    values = problem.parameter_values()
+    return np.array([values[name] for name in parameter_names(problem)], dtype=float)
+
+
 def point_function(problem: Problem) -> ca.Function:
-    """Return (x, u, q, τ) → (L, F, g)."""
+    """Return (x, u, q, τ, p) → (L, F, g)."""
     x, u = ca.SX.sym("x", problem.nx), ca.SX.sym("u", problem.nu)
-    q, tau = ca.SX.sym("q", len(global_names(problem))), ca.SX.sym("tau")
-    T, p = _duration_and_parameters(problem, q)
+    q, tau, p = _global_symbols(problem), ca.SX.sym("tau"), _parameter_symbols(problem)
+    T, named = _duration_and_parameters(problem, q, p)
     t = T * tau
-    L = T * ca.SX(problem.running_cost_of(x, u, p, t))
-    F = T * ca.SX(problem.rates_of(x, u, p, t))
-    g = ca.SX(problem.constraints_of(x, u, p, t))
-    return ca.Function("point", [x, u, q, tau], [L, ca.densify(F), ca.densify(g)])
+    L = T * ca.SX(problem.running_cost_of(x, u, named, t))
+    F = T * ca.SX(problem.rates_of(x, u, named, t))
+    g = ca.SX(problem.constraints_of(x, u, named, t))
+    return ca.Function("point", [x, u, q, tau, p], [L, ca.densify(F), ca.densify(g)])
 
 
 def terminal_function(problem: Problem) -> ca.Function:
-    """Return (x, q) → M."""
-    x, q = ca.SX.sym("x", problem.nx), ca.SX.sym("q", len(global_names(problem)))
-    T, p = _duration_and_parameters(problem, q)
-    return ca.Function("terminal", [x, q], [ca.SX(problem.terminal_cost_of(x, p, T))])
+    """Return (x, q, p) → M."""
+    x, q, p = ca.SX.sym("x", problem.nx), _global_symbols(problem), _parameter_symbols(problem)
+    T, named = _duration_and_parameters(problem, q, p)
+    return ca.Function("terminal", [x, q, p], [ca.SX(problem.terminal_cost_of(x, named, T))])
 
 
-def _duration_and_parameters(problem: Problem, q: ca.SX) -> tuple[ca.SX, Parameters]:
+def _global_symbols(problem: Problem) -> ca.SX:
+    return ca.SX.sym("q", len(global_names(problem)))
+
+
+def _parameter_symbols(problem: Problem) -> ca.SX:
+    return ca.SX.sym("p", len(parameter_names(problem)))
+
+
+def _duration_and_parameters(problem: Problem, q: ca.SX, p: ca.SX) -> tuple[ca.SX, Parameters]:
     T = q[0] if problem.free_horizon else ca.SX(problem.duration_guess)
-    p = Parameters(problem.parameter_values())
+    places = {name: p[i] for i, name in enumerate(parameter_names(problem))}
     for i, name in enumerate(problem.free_parameters):
-        p[name] = q[i + int(problem.free_horizon)]
-    return T, p
+        places[name] = q[i + int(problem.free_horizon)]
+    return T, Parameters({name: places[name] for name in problem.parameters})

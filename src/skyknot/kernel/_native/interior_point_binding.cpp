@@ -28,8 +28,8 @@ Nonzeros nonzeros(const nb::dict& from, const char* rows, const char* columns) {
 Structure structure_of(const nb::dict& d) {
     Structure S;
     S.nx = get<int>(d, "nx"), S.nu = get<int>(d, "nu"), S.nq = get<int>(d, "nq");
-    S.ng = get<int>(d, "ng"), S.N = get<int>(d, "N"), S.s = get<int>(d, "s");
-    S.m = get<int>(d, "m");
+    S.ng = get<int>(d, "ng"), S.np = get<int>(d, "np"), S.N = get<int>(d, "N");
+    S.s = get<int>(d, "s"), S.m = get<int>(d, "m");
     S.shared = get<bool>(d, "shared"), S.carry = get<bool>(d, "carry");
     S.free_duration = get<bool>(d, "free_duration");
     S.used = get<std::vector<int>>(d, "used");
@@ -95,6 +95,7 @@ void load(InteriorPoint& solver, const Structure& S, const nb::dict& d) {
     solver.defect_scale = get<std::vector<double>>(d, "defect_scale");
     solver.objective_scale = get<double>(d, "objective_scale");
     fill(solver.points.length, d, "length");
+    solver.points.parameters = get<std::vector<double>>(d, "parameters");
     const auto times = get<std::vector<Table>>(d, "time"), costs = get<std::vector<Table>>(d, "cost");
     const auto lower = get<std::vector<Table>>(d, "path_lower");
     const auto upper = get<std::vector<Table>>(d, "path_upper");

@@ -90,13 +90,15 @@ void Newton::clear_padding(RowBuffer& rows) const {
                   0.0);
 }
 
-// The terminal tape gives M, its gradient over (x, q) and its dense Hessian.
+// The terminal tape reads (x, q, p) and gives M, its gradient over (x, q) and its dense Hessian.
 void Newton::evaluate_terminal(const RowBuffer& z, const double* q, double scale) {
     double* w = terminal_workspace_.get();
     const int n = S_.nx + S_.nq;
     for (int i = 0; i < n; ++i)
         store8(w + 8 * i,
                broadcast8(i < S_.nx ? z.row(S_.state_row(0, i))[S_.N] : q[i - S_.nx]));
+    for (int i = 0; i < S_.np; ++i)
+        store8(w + 8 * (n + i), broadcast8(points_.parameters[at(i)]));
     terminal_.run<8>(w);
     const auto read = [&](std::size_t o) { return scale * w[terminal_.output_slot(o) * 8]; };
     terminal_value = read(0);

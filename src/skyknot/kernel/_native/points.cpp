@@ -22,6 +22,7 @@ inline void add_product(double* out, const double* a, const double* b, int count
 
 Points::Points(const Structure& structure, const Tape& value, const Tape& full)
     : length(structure, 1 + static_cast<int>(structure.rates.size())),
+      parameters(at(structure.np)),
       S_(structure),
       value_(value),
       full_(full),
@@ -67,11 +68,13 @@ void Points::run(const Tape& tape, double* w, int c, const RowBuffer& z, const d
             store8(slot, low), store8(slot + 8, high);
             slot += lanes;
         }
-        for (int i = 0; i < S_.nq; ++i) {
-            store8(slot, broadcast8(q[i])), store8(slot + 8, broadcast8(q[i]));
+        const auto spread = [&](double value) {
+            store8(slot, broadcast8(value)), store8(slot + 8, broadcast8(value));
             slot += lanes;
-        }
+        };
+        for (int i = 0; i < S_.nq; ++i) spread(q[i]);
         put(time[at(c)].row(0));
+        for (const double p : parameters) spread(p);
         if (nu != nullptr) {
             put(cost[at(c)].row(0));
             for (int i = 0; i < S_.nx; ++i) put(nu->row(i));

@@ -16,13 +16,14 @@ namespace skyknot::inline SKYKNOT_ISA {
 
 class Points {
 public:
-    // value: (x, u, q, τ) → (L, F, g); full: (x, u, q, τ, c, ν, y) → class rows.
+    // value: (x, u, q, τ, p) → (L, F, g); full: (x, u, q, τ, p, c, ν, y) → class rows.
     Points(const Structure& structure, const Tape& value, const Tape& full);
 
     std::vector<RowBuffer> rows;       // class rows, one buffer a class
     std::vector<RowBuffer> time;       // τ, one row a class
     std::vector<RowBuffer> cost;       // c, one row a class
     RowBuffer length;                  // row 0: δ; then each rate row's coefficient of the duration
+    std::vector<double> parameters;    // p, the same at every point
 
     // L, F and g at z.
     void evaluate(const RowBuffer& z, const double* q);

@@ -28,6 +28,7 @@ struct RateRow {
 
 struct Structure {
     int nx = 0, nu = 0, nq = 0, ng = 0;
+    int np = 0;  // parameters: numbers that the point and terminal functions read
     int N = 0, s = 0, m = 0;
     bool shared = false;  // U_0 and U_{m−1} belong to the nodes
     bool carry = false;   // a held control whose rate is bounded: the previous one is a state
