@@ -37,7 +37,7 @@ InteriorPoint::InteriorPoint(const Structure& S, const Tape& value, const Tape& 
       S_(S), direction_(newton.direction()), dzl_(S, S.v_rows()), dzu_(S, S.v_rows()),
       cost_gradient_(S, S.v_rows()), lagrangian_(S, S.v_rows()), right_(S, S.v_rows()),
       defect_(S, S.interior()), trial_defect_(S, S.interior()), used_defect_(S, S.interior()),
-      trial_z_(S, S.v_rows()), cost_step_(S, S.v_rows()), dq_zl_(at(S.nq)), dq_zu_(at(S.nq)),
+      trial_z_(S, S.v_rows()), cost_step_(S, S.v_rows()), entry_z_(S, S.v_rows()), dq_zl_(at(S.nq)), dq_zu_(at(S.nq)),
       q_cost_(at(S.nq)), q_lagrangian_(at(S.nq)), q_right_(at(S.nq)), q_step_right_(at(S.nq)),
       trial_q_(at(S.nq)) {
     for (int c = 0; c <= S.classes(); ++c) {
@@ -45,6 +45,7 @@ InteriorPoint::InteriorPoint(const Structure& S, const Tape& value, const Tape& 
         const int rows = rates ? static_cast<int>(S.rates.size()) : S.ng;
         groups.emplace_back(S, rows, rates ? S.N : S.class_count(c));
         used_rows_.emplace_back(S, rows);
+        entry_slack_.emplace_back(S, rows);
         if (!rates) class_rows_.emplace_back(S, S.ny());
     }
     history.reserve(4096);
@@ -87,7 +88,7 @@ Outcome InteriorPoint::solve(const Settings& settings,
             if (e.total <= acceptable) return Outcome::acceptable;
             const Restored restored = restore(settings.tolerance);
             if (restored == Restored::infeasible) return Outcome::infeasible;
-            if (restored == Restored::failed) return Outcome::stalled;
+            if (restored == Restored::failed) return give_up(e, acceptable, Outcome::stalled);
             continue;
         }
         // ---- move -----------------------------------------------------------------------

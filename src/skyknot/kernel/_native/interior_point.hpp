@@ -116,6 +116,8 @@ private:
     void record(const Errors& e);
     Restored restore(double tolerance);
     bool diverging() const;
+    void keep_entry();
+    void return_to_entry();
     std::size_t variable_boxes() const;
     void add_primal_barrier(double mu, Newton& system);
     Outcome give_up(const Errors& e, double tolerance, Outcome otherwise) const;
@@ -125,9 +127,9 @@ private:
     Direction direction_;
     std::vector<Bounded> bounded_;
     RowBuffer dzl_, dzu_, cost_gradient_, lagrangian_, right_, defect_, trial_defect_,
-        used_defect_, trial_z_, cost_step_;
-    std::vector<double> dq_zl_, dq_zu_, q_cost_, q_lagrangian_, q_right_, q_step_right_, trial_q_;
-    std::vector<RowBuffer> class_rows_, used_rows_;
+        used_defect_, trial_z_, cost_step_, entry_z_;
+    std::vector<double> dq_zl_, dq_zu_, q_cost_, q_lagrangian_, q_right_, q_step_right_, trial_q_, entry_q_;
+    std::vector<RowBuffer> class_rows_, used_rows_, entry_slack_;
     std::vector<const RowBuffer*> y_;
     Filter filter_;
     Merit now_{};

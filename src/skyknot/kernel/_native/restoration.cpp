@@ -34,6 +34,8 @@ Restored InteriorPoint::restore(double tolerance) {
     Direction step = system.direction();
     const double mu = std::min(1e-4, barrier);
     const Merit entry = now_;
+    const double entry_primal = errors().primal;
+    keep_entry();
 
     const auto clamp_slacks = [&](bool trial) {
         for (GroupState& group : groups)
@@ -148,10 +150,28 @@ Restored InteriorPoint::restore(double tolerance) {
             return Restored::yes;
         }
     }
+    // An almost feasible or less violated entry point is worth more than where this ended.
+    const bool worse = !(now_.theta < entry.theta) || entry_primal <= 1e3 * tolerance;
+    if (worse) return_to_entry();
     differentiate();
     gradients();
     // violated, and no step lowers the violation: a stationary point of it
-    return stuck && errors().primal > tolerance ? Restored::infeasible : Restored::failed;
+    const bool violated = errors().primal > 1e3 * tolerance;
+    return stuck && violated ? Restored::infeasible : Restored::failed;
+}
+
+void InteriorPoint::keep_entry() {
+    entry_z_.copy(z);
+    entry_q_ = q;
+    for (std::size_t g = 0; g < groups.size(); ++g) entry_slack_[g].copy(groups[g].slack);
+}
+
+void InteriorPoint::return_to_entry() {
+    z.copy(entry_z_);
+    q = entry_q_;
+    for (std::size_t g = 0; g < groups.size(); ++g) groups[g].slack.copy(entry_slack_[g]);
+    evaluate(z, q.data(), false);
+    now_ = merit(false);
 }
 
 // Bounded entries that are unknowns (not slacks) stand first.
