@@ -74,7 +74,8 @@ class Solution:
     decision : decision vector z, for warm starts
     record : names, versions, units, counts
     problem : the problem solved; None for a solution read from a file
-    gains : (N+1, nu, nx) feedback gains at the nodes, where the solver has them
+    gains : feedback gains, where the solver has them: (N+1, nu, nx) at the nodes, or
+        (N, nu, nx) of the segments when controls are held
     """
 
     status: Status
@@ -159,6 +160,8 @@ class Solution:
             )
         t = np.asarray(t, dtype=float)
         k = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)
+        if len(self.gains) == len(self.times) - 1:  # held from node to node
+            return np.asarray(self.gains[k])
         share = np.clip((t - self.times[k]) / (self.times[k + 1] - self.times[k]), 0, 1)
         share = np.asarray(share)[..., None, None]
         result: Array = (1 - share) * self.gains[k] + share * self.gains[k + 1]

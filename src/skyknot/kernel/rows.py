@@ -235,6 +235,21 @@ class Rows:
         self.rates.add_multipliers(result["y"][-1] / sigma, m.rates)
         return m
 
+    def gains(self, gains: list[float]) -> Array | None:
+        """Return native gains unscaled, (N, nu, nx), with shared controls (N+1, nu, nx).
+
+        Nothing lies ahead of the last node: its gains continue those before.
+        """
+        if not gains:
+            return None
+        K: Array = np.asarray(gains).reshape(self.N, len(self.S_u), len(self.S_x))
+        K = K * self.S_u[:, None] / self.S_x
+        if not self.program.shared:
+            return K
+        ahead = self.program.fractions[-1] / self.program.fractions[max(self.N - 2, 0)]
+        last: Array = K[-1] + ahead * (K[-1] - K[max(self.N - 2, 0)])
+        return np.concatenate([K, last[None]])
+
     def warm(self, m: Multipliers) -> dict[str, Any]:
         """Return multipliers as the native solve wants them."""
         sigma, program = self.objective_scale, self.program

@@ -65,7 +65,7 @@ class SolverResult:
     history : one record an iteration
     work : counts, e.g. evaluations and factorisations
     detail : names the variable or constraint at fault; empty on success
-    gains : (N, nu, nx) feedback gains at the start of each segment, where the solver has them
+    gains : feedback gains, (N, nu, nx) of held controls, (N+1, nu, nx) at the nodes of others
     barrier : last barrier parameter, for warm starts
     """
 

@@ -118,7 +118,6 @@ class Prepared:
         z = self.rows.unknowns(raw)
         multipliers = self.rows.multipliers(raw)
         complete_fixed(self.program, z, multipliers)
-        nx, nu, _, _ = self.program.sizes
         if not status.success and undefined_value(self.program, z):
             status = Status.EVALUATION_ERROR
         counts = ("factorisations", "solves", "value_runs", "full_runs", "restorations")
@@ -130,7 +129,7 @@ class Prepared:
             history=tuple(IterationRecord(i, *row) for i, row in enumerate(raw["history"])),
             work={name: int(raw[name]) for name in counts},
             detail="" if status.success else worst_violation(self.program, z),
-            gains=np.asarray(raw["gains"]).reshape(-1, nu, nx),
+            gains=self.rows.gains(raw["gains"]),
             barrier=float(raw["barrier"]),
         )
 

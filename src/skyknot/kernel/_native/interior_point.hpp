@@ -67,6 +67,8 @@ public:
 
     // `watch` sees every iteration and stops the solve by returning true.
     Outcome solve(const Settings& settings, const std::function<bool(const Record&)>& watch);
+    // Factors at the point where `solve` ended, for the gains there.
+    bool factor_here() { return factor(); }
 
     std::vector<Record> history;
     double barrier = 0.0;

@@ -163,9 +163,10 @@ nb::dict result_of(InteriorPoint& solver, const Structure& S, Outcome outcome) {
     for (const Record& h : solver.history)
         history.push_back({h.objective, h.primal, h.dual, h.barrier, h.step, h.regularisation});
     r["history"] = history;
-    const int ends = S.shared ? S.N + 1 : S.N;
-    std::vector<double> gains(at(ends * S.nu * S.nx));
-    for (int k = 0; k < ends; ++k) solver.newton.riccati().gains(k, gains.data() + k * S.nu * S.nx);
+    const bool solved = outcome == Outcome::solved || outcome == Outcome::acceptable;
+    std::vector<double> gains(at(solved && solver.factor_here() ? S.N * S.nu * S.nx : 0));
+    for (int k = 0; k < S.N && !gains.empty(); ++k)
+        solver.newton.gains(k, gains.data() + k * S.nu * S.nx);
     r["gains"] = gains;
     return r;
 }

@@ -68,6 +68,8 @@ public:
     // Returns the relative residual left.
     double solve(const RowBuffer& r, const double* r_q, const RowBuffer& d, Direction& out,
                  int refinements);
+    // Feedback gains of the control that begins segment k in x_k, (nu, nx) row-major.
+    void gains(int k, double* K) const;
     // groups[·].linear = J δ.
     void apply_rows(const RowBuffer& v, const double* q);
 
@@ -76,6 +78,7 @@ public:
 private:
     void fill_terminal();
     bool factor_border();
+    std::vector<double> node_control_rows(int k) const;
     void structured_solve(const RowBuffer& g, const double* g_q, const RowBuffer& d,
                           RowBuffer& step, double* step_q, RowBuffer& lambda);
     double residual(const RowBuffer& r, const double* r_q, const RowBuffer& d, Direction& at);

@@ -185,42 +185,4 @@ void Riccati::forward(RightSide& right) const {
     }
 }
 
-void Riccati::gains(int k, double* K) const {
-    const auto [nx, nq, ns, nv, vp, sp, wp] = layout_;
-    const int nu = structure_.nu;
-    std::vector<double> R(size(nu, nu)), B(size(nu, nx));
-    if (structure_.shared || k == N_) {  // u_k is part of the stage state: minimise P over it
-        if (ns == nx) return;
-        for (int i = 0; i < nu; ++i) {
-            for (int j = 0; j < nu; ++j) R[size(i * nu + j)] = P(k)[(nx + j) * sp + nx + i];
-            for (int j = 0; j < nx; ++j) B[size(i * nx + j)] = P(k)[j * sp + nx + i];
-        }
-    } else {  // v = −L⁻ᵀ L_svᵀ s: rows of the first control value
-        for (int j = 0; j < nx; ++j) {
-            std::vector<double> v(size(nv));
-            for (int p = nv - 1; p >= 0; --p) {
-                double sum = L(k)[p * wp + vp + j];
-                for (int i = p + 1; i < nv; ++i) sum -= L(k)[p * wp + i] * v[size(i)];
-                v[size(p)] = sum * inverse_[size(k * vp + p)];
-            }
-            for (int i = 0; i < nu; ++i) K[i * nx + j] = v[size(i)];
-        }
-        return;
-    }
-    for (int j = 0; j < nu; ++j) {  // K = R⁻¹ B by Gaussian elimination: R is positive definite
-        const double inverse = 1.0 / R[size(j * nu + j)];
-        for (int i = j + 1; i < nu; ++i) {
-            const double factor = R[size(i * nu + j)] * inverse;
-            for (int c = j; c < nu; ++c) R[size(i * nu + c)] -= factor * R[size(j * nu + c)];
-            for (int c = 0; c < nx; ++c) B[size(i * nx + c)] -= factor * B[size(j * nx + c)];
-        }
-    }
-    for (int i = nu - 1; i >= 0; --i)
-        for (int c = 0; c < nx; ++c) {
-            double sum = B[size(i * nx + c)];
-            for (int l = i + 1; l < nu; ++l) sum -= R[size(i * nu + l)] * K[l * nx + c];
-            K[i * nx + c] = sum / R[size(i * nu + i)];
-        }
-}
-
 }  // namespace skyknot::inline SKYKNOT_ISA

@@ -48,8 +48,10 @@ public:
     void backward(RightSide& right) const;
     void forward(RightSide& right) const;
 
-    // Feedback gains of the first nu controls of stage k in x_k, (nu, nx) row-major.
-    void gains(int k, double* K) const;
+    // Rows of the optimal policy v = −K s of stage k: its first `rows` entries in x_k, row-major.
+    void policy(int k, int rows, double* K) const;
+    // Hessian of the cost-to-go in s_k, (sp, ns) column-major.
+    const double* cost_to_go(int k) const { return P(k); }
 
 private:
     double* P(int k) { return P_.get() + static_cast<std::size_t>(k * layout_.sp * layout_.ns); }
