@@ -20,7 +20,6 @@ struct Kept {
 
 struct Keeper {
     Builder& b;
-    std::size_t stride;
     int rows = 0;
     std::map<std::int32_t, int> known;
 
@@ -28,7 +27,7 @@ struct Keeper {
         if (value.is_zero()) return -1;
         if (b.is_one(value)) return -2;
         const auto [place, fresh] = known.emplace(value.id, rows);
-        if (fresh) b.output(target::segment, static_cast<std::size_t>(rows++) * stride, value);
+        if (fresh) b.output(target::segment, static_cast<std::size_t>(rows++) * lane_count, value);
         return place->second;
     }
     std::vector<std::vector<int>> keep(const Matrix& values) {
@@ -43,7 +42,7 @@ struct Keeper {
 
 Value recall(Builder& b, int row) {
     if (row == -1) return {};
-    return row == -2 ? b.one() : b.input(source::segment, static_cast<std::size_t>(row));
+    return row == -2 ? b.one() : b.stored(source::segment, static_cast<std::size_t>(row));
 }
 
 Matrix recall(Builder& b, const std::vector<std::vector<int>>& rows) {
@@ -89,7 +88,7 @@ Kept build_factor(Elimination& elimination, Segment& segment, const StageLayout&
     const Matrix H = segment.hessian_rows();
     Matrix HI(H.begin() + S.nx, H.begin() + S.nx + nI);
 
-    Keeper keeper{b, static_cast<std::size_t>(S.stride()), 0, {}};
+    Keeper keeper{b, 0, {}};
     Kept kept{factors.order, keeper.keep(factors.LU), keeper.keep(T), keeper.keep(HI), {}, 0};
     for (Value value : factors.inverse) kept.inverse.push_back(keeper.keep(value));
     kept.rows = keeper.rows;
@@ -102,19 +101,22 @@ Kept build_factor(Elimination& elimination, Segment& segment, const StageLayout&
             for (int i = 0; i < nI; ++i) terms.emplace_back(H[at(y)][at(S.nx + i)], T[at(i)][at(c)]);
             G[at(y)][at(c)] = b.dot(terms);
         }
-    auto entry = [&](Value value, std::initializer_list<std::size_t> offsets) {
+    const auto entry = [&](std::vector<Elimination::Scatter>& scatter, Value value,
+                           std::initializer_list<std::size_t> offsets) {
         if (value.is_zero()) return;
         const auto index = static_cast<std::uint32_t>(elimination.matrix_entries++);
         b.output(target::stage, std::size_t{index} * lane_count, value);
         for (std::size_t offset : offsets)
-            elimination.matrix_scatter.push_back({index, static_cast<std::uint32_t>(offset)});
+            scatter.push_back({index, static_cast<std::uint32_t>(offset)});
     };
+    auto& stage = elimination.matrix_scatter;
+    auto& hessian = elimination.hessian_scatter;
     for (int r = 0; r < S.nx; ++r) {
         const auto& row = T[at((S.s - 2) * S.nx + r)];
         for (int y : w) {
             const int place = segment.stage(layout, y);
-            if (place >= 0) entry(row[at(y)], {layout.A(r, place)});
-            else entry(row[at(y)], {layout.rq(r, y - segment.q(0))});
+            if (place >= 0) entry(stage, row[at(y)], {layout.A(r, place)});
+            else entry(stage, row[at(y)], {layout.rq(r, y - segment.q(0))});
         }
     }
     for (std::size_t k = 0; k < w.size(); ++k)
@@ -127,10 +129,10 @@ Kept build_factor(Elimination& elimination, Segment& segment, const StageLayout&
             const Value value = b.dot(terms);
             const int pa = segment.stage(layout, a), pc = segment.stage(layout, c);
             const int qa = a - segment.q(0), qc = c - segment.q(0);
-            if (pa >= 0 && pc >= 0) entry(value, {layout.H(pa, pc), layout.H(pc, pa)});
-            else if (pa >= 0) entry(value, {layout.gq(pa, qc)});
-            else if (pc >= 0) entry(value, {layout.gq(pc, qa)});
-            else entry(value, {layout.Hqq(qa, qc), layout.Hqq(qc, qa)});
+            if (pa >= 0 && pc >= 0) entry(hessian, value, {layout.H(pa, pc), layout.H(pc, pa)});
+            else if (pa >= 0) entry(stage, value, {layout.gq(pa, qc)});
+            else if (pc >= 0) entry(stage, value, {layout.gq(pc, qa)});
+            else entry(stage, value, {layout.Hqq(qa, qc), layout.Hqq(qc, qa)});
         }
     elimination.factor = b.finish();
     return kept;
@@ -156,7 +158,7 @@ void build_reduce(Elimination& elimination, const Structure& S, const Kept& kept
     const Factors factors = recall_factors(b, kept);
     const std::vector<Value> m = solve(b, factors, scaled_defects(segment, -1.0));
     for (int i = 0; i < nI; ++i)
-        b.output(target::reduced, at(i) * static_cast<std::size_t>(S.stride()), m[at(i)]);
+        b.output(target::reduced, at(i) * lane_count, m[at(i)]);
     const Matrix T = recall(b, kept.T), HI = recall(b, kept.HI);
     const auto gradient = [&](int y) -> Value {  // of what this stage owns
         const bool of_next = (y >= (S.s - 1) * S.nx && y < S.s * S.nx) ||
@@ -213,7 +215,7 @@ void build_expand(Elimination& elimination, const Structure& S, const Kept& kept
     for (int i = 0; i < nI - S.nx; ++i) {
         std::vector<Term> terms;
         for (int y : outside(segment)) terms.emplace_back(T[at(i)][at(y)], delta[at(y)]);
-        const Value x = b.dot(terms, b.input(source::reduced, at(i)));
+        const Value x = b.dot(terms, b.stored(source::reduced, at(i)));
         delta[at(S.nx + i)] = x;
         b.output(target::step, at(S.state_row(1 + i / S.nx, i % S.nx)) * stride, x);
     }
@@ -249,6 +251,7 @@ Elimination::Elimination(const Structure& S, bool elastic) {
     // In memory order, so that writing a stage goes forward.
     const auto by_offset = [](const Scatter& a, const Scatter& c) { return a.offset < c.offset; };
     std::sort(matrix_scatter.begin(), matrix_scatter.end(), by_offset);
+    std::sort(hessian_scatter.begin(), hessian_scatter.end(), by_offset);
     std::sort(vector_scatter.begin(), vector_scatter.end(), by_offset);
 }
 

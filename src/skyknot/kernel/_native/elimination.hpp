@@ -50,13 +50,13 @@ public:
     MicroProgram factor, reduce, expand;
     std::size_t segment_rows = 0;
 
-    // Stage blocks are written eight segments at a time, transposed: entry e of the block goes to
+    // Stage blocks (Hessians apart) are written eight segments at a time, transposed: entry e of the block goes to
     // these offsets of each segment's stage (two when it mirrors).
     struct Scatter {
         std::uint32_t entry;
         std::uint32_t offset;
     };
-    std::vector<Scatter> matrix_scatter, vector_scatter;
+    std::vector<Scatter> matrix_scatter, hessian_scatter, vector_scatter;
     std::size_t matrix_entries = 0, vector_entries = 0;
     // Entries of the vector block that are each segment's share of the globals' gradient.
     std::vector<std::uint32_t> global_entries;

@@ -102,8 +102,10 @@ Value Builder::constant(double value) {
 }
 
 Value Builder::input(std::uint32_t source, std::size_t row, std::ptrdiff_t shift) {
-    const auto offset =
-        static_cast<std::uint32_t>(static_cast<std::ptrdiff_t>(row * stride_) + shift);
+    return read(source, static_cast<std::uint32_t>(static_cast<std::ptrdiff_t>(row * stride_) + shift));
+}
+
+Value Builder::read(std::uint32_t source, std::uint32_t offset) {
     const std::uint64_t key = (std::uint64_t{source} << 32) | offset;
     if (const auto found = inputs_.find(key); found != inputs_.end()) return {found->second};
     const Value value = record({load, 0, -1, source, offset, {}});

@@ -50,6 +50,10 @@ public:
     Value constant(double value);
     // Row `row` of source `source`, read at first + shift.
     Value input(std::uint32_t source, std::size_t row, std::ptrdiff_t shift = 0);
+    // Row `row` of a block that holds eight segments only, rows one after the other.
+    Value stored(std::uint32_t source, std::size_t row) {
+        return read(source, static_cast<std::uint32_t>(row * lane_count));
+    }
     Value scalar(std::uint32_t index);
 
     // start + Σ a b, or start − Σ a b.
@@ -85,6 +89,7 @@ private:
         std::vector<std::pair<std::int32_t, std::int32_t>> terms;
     };
     Value record(Step step);
+    Value read(std::uint32_t source, std::uint32_t offset);
     std::vector<std::size_t> scheduled() const;
 
     std::size_t stride_;

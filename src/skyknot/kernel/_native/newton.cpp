@@ -40,8 +40,8 @@ Newton::Newton(Points& points, const Tape& terminal, bool elastic)
       main_(riccati_.right_side()),
       schur_(at(S_.nq * S_.nq)),
       terminal_q_(at(riccati_.layout().sp * S_.nq)),
-      segment_(S_, static_cast<int>(elimination_.segment_rows)),
-      reduced_(S_, S_.interior()),
+      segment_(make_workspace(elimination_.segment_rows * at(padded8(S_.N)))),
+      reduced_(make_workspace(at(S_.interior() * padded8(S_.N)))),
       costate_(S_, S_.nx),
       elastic_step_(S_, elastic ? S_.nx : 0),
       gradient_(S_, S_.v_rows()),
@@ -124,24 +124,41 @@ bool Newton::factor() {
         sources[source::first_class + 2 * at(c)] = points_.rows[at(c)].origin();
         sources[source::first_class + 2 * at(c) + 1] = groups[at(c)].total.origin();
     }
+    fill_terminal();
+    const bool definite = factor_blocks(sources);
+    for (const Pin& pin : pins) weight_v.row(pin.row)[pin.k] -= pin_weight;
+    return definite && riccati_.factor_first() && factor_border();
+}
+
+// Eliminates eight segments, factors their stages, and goes on towards the start; an indefinite
+// stage ends it at once.
+bool Newton::factor_blocks(const std::vector<const double*>& sources) {
     const double scalars[] = {regularisation, elastic_weight};
-    const std::size_t size = riccati_.layout().size();
-    for (int first = 0; first < S_.N; first += lane_count) {
-        double* const targets[] = {segment_.origin(), block_.get() - first, nullptr, nullptr,
+    const StageLayout& layout = riccati_.layout();
+    const auto write = [&](const std::vector<Elimination::Scatter>& scatter, double* to,
+                           std::size_t size, int filled) {
+        for (const auto& [entry, offset] : scatter)
+            for (int lane = 0; lane < filled; ++lane)
+                to[at(lane) * size + offset] = block_[std::size_t{entry} * lane_count + at(lane)];
+    };
+    for (int first = (S_.N - 1) / lane_count * lane_count; first >= 0; first -= lane_count) {
+        double* const targets[] = {segment_block(first), block_.get() - first, nullptr, nullptr,
                                    nullptr};
         elimination_.factor.run(sources.data(), targets, scalars, first, program_workspace_.get());
         const int filled = std::min(lane_count, S_.N - first);
-        double* stage = riccati_.stage(first);
-        for (const auto& [entry, offset] : elimination_.matrix_scatter)
-            for (int lane = 0; lane < filled; ++lane)
-                stage[at(lane) * size + offset] = block_[std::size_t{entry} * lane_count + at(lane)];
+        write(elimination_.matrix_scatter, riccati_.stage(first), layout.size(), filled);
+        write(elimination_.hessian_scatter, riccati_.hessian(first), layout.hessian_size(), filled);
+        for (int k = first + filled - 1; k >= first; --k)
+            if (!riccati_.factor_stage(k)) {
+                riccati_.failed_stage = k;
+                return false;
+            }
     }
-    for (const Pin& pin : pins) weight_v.row(pin.row)[pin.k] -= pin_weight;
-    fill_terminal();
-    return riccati_.factor() && factor_border();
+    return true;
 }
 
-// Hessian of the last node: terminal cost, its own point when controls are shared, bounds.
+// Hessian of the last node: terminal cost, its own point when controls are shared, and the weights
+// of bounds and pins, which stand in `weight_v`.
 void Newton::fill_terminal() {
     const StageLayout& layout = riccati_.layout();
     double* P = riccati_.terminal();
@@ -183,11 +200,6 @@ void Newton::fill_terminal() {
         for (int i = 0; i < S_.nu; ++i)
             P[(S_.nx + i) * sp + S_.nx + i] +=
                 weight_v.row(S_.control_row(0, i))[S_.N] + regularisation;
-    for (const Pin& pin : pins) {
-        if (pin.k != S_.N) continue;
-        const int i = pin.row < S_.nx ? pin.row : S_.nx + pin.row - S_.interior();
-        P[i * sp + i] += pin_weight;
-    }
 }
 
 // Columns of the globals, and the Schur complement they leave.
@@ -242,12 +254,12 @@ void Newton::right_side(const RowBuffer& g, const RowBuffer& d, Riccati::RightSi
                         double* g_q) {
     const StageLayout& layout = riccati_.layout();
     const double* sources[source::first_class] = {};
-    sources[source::segment] = segment_.origin();
     sources[source::gradient] = g.origin();
     sources[source::defect] = d.origin();
     const double scalars[] = {regularisation, elastic_weight};
     for (int first = 0; first < S_.N; first += lane_count) {
-        double* const targets[] = {nullptr, block_.get() - first, reduced_.origin(), nullptr,
+        sources[source::segment] = segment_block(first);
+        double* const targets[] = {nullptr, block_.get() - first, reduced_block(first), nullptr,
                                    nullptr};
         elimination_.reduce.run(sources, targets, scalars, first, program_workspace_.get());
         const int filled = std::min(lane_count, S_.N - first);
@@ -319,8 +331,6 @@ void Newton::structured_solve(const RowBuffer& g, const double* g_q, const RowBu
     }
     read_step(main_, step);
     const double* sources[source::first_class] = {};
-    sources[source::segment] = segment_.origin();
-    sources[source::reduced] = reduced_.origin();
     sources[source::gradient] = g.origin();
     sources[source::step] = step.origin();
     sources[source::elastic] = elastic_step_.origin();
@@ -330,6 +340,8 @@ void Newton::structured_solve(const RowBuffer& g, const double* g_q, const RowBu
     scalars[scalar::elastic_weight] = elastic_weight;
     std::copy_n(step_q, at(nq), scalars.begin() + scalar::first_global);
     for (int first = 0; first < S_.N; first += lane_count) {
+        sources[source::segment] = segment_block(first);
+        sources[source::reduced] = reduced_block(first);
         double* const targets[] = {nullptr, nullptr, nullptr, step.origin(), lambda.origin()};
         elimination_.expand.run(sources, targets, scalars.data(), first, program_workspace_.get());
     }

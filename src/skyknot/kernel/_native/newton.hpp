@@ -77,6 +77,13 @@ public:
 
 private:
     void fill_terminal();
+    bool factor_blocks(const std::vector<const double*>& sources);
+    double* segment_block(int first) {
+        return segment_.get() + static_cast<std::size_t>(first) * elimination_.segment_rows - first;
+    }
+    double* reduced_block(int first) {
+        return reduced_.get() + static_cast<std::ptrdiff_t>(first) * S_.interior() - first;
+    }
     bool factor_border();
     std::vector<double> node_control_rows(int k) const;
     void structured_solve(const RowBuffer& g, const double* g_q, const RowBuffer& d,
@@ -97,7 +104,8 @@ private:
     Riccati::RightSide main_;
     std::vector<Riccati::RightSide> border_;
     std::vector<double> schur_, terminal_q_;  // (nq, nq) Cholesky; (sp, nq) terminal g_q
-    RowBuffer segment_, reduced_, costate_, elastic_step_;
+    Workspace segment_, reduced_;  // eight segments at a time, rows one after the other
+    RowBuffer costate_, elastic_step_;
     RowBuffer gradient_, defect_, step_, lambda_;
     Direction kept_;  // before the last refinement
     std::vector<double> gradient_q_, step_q_, residual_q_, step_scalars_;

@@ -18,6 +18,7 @@ Riccati::Riccati(const Structure& structure, bool elastic)
       layout_(structure, elastic),
       N_(structure.N),
       stages_(make_workspace(size(N_) * layout_.size())),
+      hessians_(make_workspace(8 * layout_.hessian_size())),
       P_(make_workspace(size(N_ + 1) * size(layout_.sp, layout_.ns))),
       L_(make_workspace(size(N_) * size(layout_.wp, layout_.nv))),
       inverse_(make_workspace(size(N_, layout_.vp))),
@@ -27,20 +28,10 @@ Riccati::Riccati(const Structure& structure, bool elastic)
     free_.reserve(size(layout_.ns));
 }
 
-bool Riccati::factor() {
-    for (int k = N_ - 1; k >= 0; --k)
-        if (!factor_stage(k)) {
-            failed_stage = k;
-            return false;
-        }
-    failed_stage = 0;
-    return factor_first();
-}
-
 bool Riccati::factor_stage(int k) {
     const auto [nx, nq, ns, nv, vp, sp, wp] = layout_;
-    const double* block = stage(k);
-    const double* A = block + layout_.A(0, 0);
+    const double* H = hessian(k);
+    const double* A = stage(k) + layout_.A(0, 0);
     const double* next = P(k + 1);
     double* M = M_.get();
     const int carried = ns - nx;
@@ -56,7 +47,7 @@ bool Riccati::factor_stage(int k) {
     }
     // v columns of C, all rows, then their Cholesky factor in place
     double* Lk = L(k);
-    std::memcpy(Lk, block + layout_.H(0, 0), size(wp, nv) * sizeof(double));
+    std::memcpy(Lk, H, size(wp, nv) * sizeof(double));
     multiply_add(A, wp, M, 1, sp, Lk, wp, wp, nx, nv);
     for (int j = 0; j < nv; ++j)
         for (int i = 0; i < carried; ++i) Lk[j * wp + structure_.v_carried(i)] += M[j * sp + nx + i];
@@ -75,7 +66,7 @@ bool Riccati::factor_stage(int k) {
     // P = C_ss − L_sv L_svᵀ
     double* here = P(k);
     for (int j = 0; j < ns; ++j)
-        std::memcpy(here + j * sp, block + layout_.H(vp, vp + j), size(sp) * sizeof(double));
+        std::memcpy(here + j * sp, H + layout_.H(vp, vp + j), size(sp) * sizeof(double));
     multiply_add(A + vp, wp, M + vp * sp, 1, sp, here, sp, sp, nx, ns);
     multiply_add(Lk + vp, wp, Lk + vp, wp, 1, here, sp, sp, nv, ns, -1.0);
     return true;

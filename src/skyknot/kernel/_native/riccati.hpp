@@ -26,14 +26,19 @@ public:
     const double* stage(int k) const {
         return stages_.get() + static_cast<std::size_t>(k) * layout_.size();
     }
+    // Hessian of stage k until `factor_stage(k)`; eight stages share the room.
+    double* hessian(int k) {
+        return hessians_.get() + static_cast<std::size_t>(k % 8) * layout_.hessian_size();
+    }
     // Terminal Hessian, (sp, ns) column-major; filled by the caller before `factor`.
     double* terminal() { return P(N_); }
     // Columns of the first stage state that are fixed.
     std::vector<char> fixed_first;
 
-    // False when a pivot is not positive: the stage where it happened is in `failed_stage`.
-    bool factor();
-    int failed_stage = -1;
+    // Stages from last to first, then the first state. False when a pivot is not positive.
+    bool factor_stage(int k);
+    bool factor_first();
+    int failed_stage = -1;  // set by the caller
 
     // One right-hand side: stage k at [k vector_size], and the terminal gradient (sp).
     struct RightSide {
@@ -62,13 +67,11 @@ private:
     const double* L(int k) const {
         return L_.get() + static_cast<std::size_t>(k * layout_.wp * layout_.nv);
     }
-    bool factor_stage(int k);
-    bool factor_first();
 
     Structure structure_;
     StageLayout layout_;
     int N_;
-    Workspace stages_, P_, L_, inverse_;  // inverse_: 1 / L_ii, (N, vp)
+    Workspace stages_, hessians_, P_, L_, inverse_;  // inverse_: 1 / L_ii, (N, vp)
     Workspace M_, C_;
     std::vector<double> first_;           // Cholesky factor over the free part of s_0
     std::vector<int> free_;
