@@ -13,7 +13,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 // What `factor` leaves in the segment rows, written by one builder and read by another.
 struct Kept {
     std::vector<int> order;
-    std::vector<std::vector<int>> LU, T, HI;  // segment row of each entry; −1 zero, −2 one
+    std::vector<std::vector<int>> LU, N, HI;  // segment row of each entry; −1 zero, −2 one
     std::vector<int> inverse;
     int rows = 0;
 };
@@ -85,11 +85,14 @@ Kept build_factor(Elimination& elimination, Segment& segment, const StageLayout&
         column = solve(b, factors, std::move(column));
         for (int i = 0; i < nI; ++i) T[at(i)][at(y)] = column[at(i)];
     }
+    Matrix N = zeros(nI, segment.ny());
+    for (int i = 0; i < nI; ++i)
+        for (int y : w) N[at(i)][at(y)] = rows[at(i)][at(y)];
     const Matrix H = segment.hessian_rows();
     Matrix HI(H.begin() + S.nx, H.begin() + S.nx + nI);
 
     Keeper keeper{b, 0, {}};
-    Kept kept{factors.order, keeper.keep(factors.LU), keeper.keep(T), keeper.keep(HI), {}, 0};
+    Kept kept{factors.order, keeper.keep(factors.LU), keeper.keep(N), keeper.keep(HI), {}, 0};
     for (Value value : factors.inverse) kept.inverse.push_back(keeper.keep(value));
     kept.rows = keeper.rows;
 
@@ -157,9 +160,7 @@ void build_reduce(Elimination& elimination, const Structure& S, const Kept& kept
     const int nI = S.interior();
     const Factors factors = recall_factors(b, kept);
     const std::vector<Value> m = solve(b, factors, scaled_defects(segment, -1.0));
-    for (int i = 0; i < nI; ++i)
-        b.output(target::reduced, at(i) * lane_count, m[at(i)]);
-    const Matrix T = recall(b, kept.T), HI = recall(b, kept.HI);
+    const Matrix N = recall(b, kept.N), HI = recall(b, kept.HI);
     const auto gradient = [&](int y) -> Value {  // of what this stage owns
         const bool of_next = (y >= (S.s - 1) * S.nx && y < S.s * S.nx) ||
                              (S.shared && y >= segment.U(S.m - 1, 0) && y < segment.U(S.m, 0)) ||
@@ -172,6 +173,9 @@ void build_reduce(Elimination& elimination, const Structure& S, const Kept& kept
         for (int i = 0; i < nI; ++i) terms.emplace_back(HI[at(i)][at(y)], m[at(i)]);
         c[at(y)] = b.dot(terms, gradient(y));
     }
+    // Tᵀ c_I = −Nᵀ M⁻ᵀ c_I: the factors and the sparse N are smaller than T.
+    const std::vector<Value> pulled =
+        solve_transposed(b, factors, {c.begin() + S.nx, c.begin() + S.nx + nI});
     auto entry = [&](Value value) {
         const auto index = static_cast<std::uint32_t>(elimination.vector_entries++);
         b.output(target::stage, std::size_t{index} * lane_count,
@@ -184,8 +188,8 @@ void build_reduce(Elimination& elimination, const Structure& S, const Kept& kept
             {entry(m[at((S.s - 2) * S.nx + r)]), static_cast<std::uint32_t>(layout.r(r))});
     for (int y : outside(segment)) {
         std::vector<Term> terms;
-        for (int i = 0; i < nI; ++i) terms.emplace_back(T[at(i)][at(y)], c[at(S.nx + i)]);
-        const Value value = b.dot(terms, c[at(y)]);
+        for (int i = 0; i < nI; ++i) terms.emplace_back(N[at(i)][at(y)], pulled[at(i)]);
+        const Value value = b.dot(terms, c[at(y)], true);
         const int place = segment.stage(layout, y);
         if (place >= 0) {
             if (!value.is_zero())
@@ -203,7 +207,8 @@ void build_expand(Elimination& elimination, const Structure& S, const Kept& kept
     Builder& b = segment.b;
     const int nI = S.interior();
     const auto stride = static_cast<std::size_t>(S.stride());
-    const Matrix T = recall(b, kept.T);
+    const Matrix N = recall(b, kept.N);
+    const Factors factors = recall_factors(b, kept);
     std::vector<Value> delta(at(segment.ny()));
     for (int y = 0; y < segment.ny(); ++y) {
         if (segment.is_interior(y) && y < (S.s - 1) * S.nx) continue;
@@ -212,12 +217,16 @@ void build_expand(Elimination& elimination, const Structure& S, const Kept& kept
             delta[at(y)] = b.scalar(scalar::first_global + static_cast<std::uint32_t>(y - segment.q(0)));
         else delta[at(y)] = segment.v_row(source::step, y);
     }
-    for (int i = 0; i < nI - S.nx; ++i) {
+    std::vector<Value> states = scaled_defects(segment, -1.0);  // M X_I = −d − N w
+    for (int i = 0; i < nI; ++i) {
         std::vector<Term> terms;
-        for (int y : outside(segment)) terms.emplace_back(T[at(i)][at(y)], delta[at(y)]);
-        const Value x = b.dot(terms, b.stored(source::reduced, at(i)));
-        delta[at(S.nx + i)] = x;
-        b.output(target::step, at(S.state_row(1 + i / S.nx, i % S.nx)) * stride, x);
+        for (int y : outside(segment)) terms.emplace_back(N[at(i)][at(y)], delta[at(y)]);
+        states[at(i)] = b.dot(terms, states[at(i)], true);
+    }
+    states = solve(b, factors, std::move(states));
+    for (int i = 0; i < nI - S.nx; ++i) {
+        delta[at(S.nx + i)] = states[at(i)];
+        b.output(target::step, at(S.state_row(1 + i / S.nx, i % S.nx)) * stride, states[at(i)]);
     }
     const Matrix HI = recall(b, kept.HI);
     std::vector<Value> right(at(nI));
@@ -229,7 +238,7 @@ void build_expand(Elimination& elimination, const Structure& S, const Kept& kept
                                  : segment.v_row(source::gradient, S.nx + i);
         right[at(i)] = b.dot(terms, start);
     }
-    const std::vector<Value> L = solve_transposed(b, recall_factors(b, kept), std::move(right));
+    const std::vector<Value> L = solve_transposed(b, factors, std::move(right));
     for (int i = 0; i < S.s - 1; ++i)
         for (int r = 0; r < S.nx; ++r) {
             const Value lambda = b.product(b.constant(-1.0 / S.C[at(i * S.s + i + 1)]),

@@ -23,8 +23,7 @@ enum : std::uint32_t {
     fixed,      // rows: segment length h, then one row a rate row: coefficient of the duration
     weight_v,   // V rows: Σ of the bounds (added to the Hessian's diagonal)
     weight_r,   // rate rows: weight D
-    segment,    // what `factor` keeps for the others
-    reduced,    // m, kept by `reduce`
+    segment,    // what `factor` keeps for the others: M's factors, N, H
     gradient,   // V rows: g
     defect,     // D rows: d
     step,       // V rows: δ
@@ -34,7 +33,7 @@ enum : std::uint32_t {
 };
 }
 namespace target {
-enum : std::uint32_t { segment, stage, reduced, step, defect };
+enum : std::uint32_t { segment, stage, step, defect };
 }
 namespace scalar {
 enum : std::uint32_t { regularisation, elastic_weight, first_global };
@@ -45,7 +44,7 @@ public:
     Elimination(const Structure& structure, bool elastic);
 
     // `factor`: derivatives → segment rows and stage matrices.
-    // `reduce`: gradient and defects → m and the stage's right-hand side.
+    // `reduce`: gradient and defects → the stage's right-hand side.
     // `expand`: step of w and π → interior states and multipliers.
     MicroProgram factor, reduce, expand;
     std::size_t segment_rows = 0;

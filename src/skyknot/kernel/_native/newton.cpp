@@ -41,7 +41,6 @@ Newton::Newton(Points& points, const Tape& terminal, bool elastic)
       schur_(at(S_.nq * S_.nq)),
       terminal_q_(at(riccati_.layout().sp * S_.nq)),
       segment_(make_workspace(elimination_.segment_rows * at(padded8(S_.N)))),
-      reduced_(make_workspace(at(S_.interior() * padded8(S_.N)))),
       costate_(S_, S_.nx),
       elastic_step_(S_, elastic ? S_.nx : 0),
       gradient_(S_, S_.v_rows()),
@@ -142,8 +141,7 @@ bool Newton::factor_blocks(const std::vector<const double*>& sources) {
                 to[at(lane) * size + offset] = block_[std::size_t{entry} * lane_count + at(lane)];
     };
     for (int first = (S_.N - 1) / lane_count * lane_count; first >= 0; first -= lane_count) {
-        double* const targets[] = {segment_block(first), block_.get() - first, nullptr, nullptr,
-                                   nullptr};
+        double* const targets[] = {segment_block(first), block_.get() - first, nullptr, nullptr};
         elimination_.factor.run(sources.data(), targets, scalars, first, program_workspace_.get());
         const int filled = std::min(lane_count, S_.N - first);
         write(elimination_.matrix_scatter, riccati_.stage(first), layout.size(), filled);
@@ -259,8 +257,7 @@ void Newton::right_side(const RowBuffer& g, const RowBuffer& d, Riccati::RightSi
     const double scalars[] = {regularisation, elastic_weight};
     for (int first = 0; first < S_.N; first += lane_count) {
         sources[source::segment] = segment_block(first);
-        double* const targets[] = {nullptr, block_.get() - first, reduced_block(first), nullptr,
-                                   nullptr};
+        double* const targets[] = {nullptr, block_.get() - first, nullptr, nullptr};
         elimination_.reduce.run(sources, targets, scalars, first, program_workspace_.get());
         const int filled = std::min(lane_count, S_.N - first);
         double* stage = right.stages.get() + at(first) * layout.vector_size();
@@ -332,6 +329,7 @@ void Newton::structured_solve(const RowBuffer& g, const double* g_q, const RowBu
     read_step(main_, step);
     const double* sources[source::first_class] = {};
     sources[source::gradient] = g.origin();
+    sources[source::defect] = d.origin();
     sources[source::step] = step.origin();
     sources[source::elastic] = elastic_step_.origin();
     sources[source::costate] = costate_.origin();
@@ -341,8 +339,7 @@ void Newton::structured_solve(const RowBuffer& g, const double* g_q, const RowBu
     std::copy_n(step_q, at(nq), scalars.begin() + scalar::first_global);
     for (int first = 0; first < S_.N; first += lane_count) {
         sources[source::segment] = segment_block(first);
-        sources[source::reduced] = reduced_block(first);
-        double* const targets[] = {nullptr, nullptr, nullptr, step.origin(), lambda.origin()};
+        double* const targets[] = {nullptr, nullptr, step.origin(), lambda.origin()};
         elimination_.expand.run(sources, targets, scalars.data(), first, program_workspace_.get());
     }
     clear_padding(lambda);

@@ -81,9 +81,6 @@ private:
     double* segment_block(int first) {
         return segment_.get() + static_cast<std::size_t>(first) * elimination_.segment_rows - first;
     }
-    double* reduced_block(int first) {
-        return reduced_.get() + static_cast<std::ptrdiff_t>(first) * S_.interior() - first;
-    }
     bool factor_border();
     std::vector<double> node_control_rows(int k) const;
     void structured_solve(const RowBuffer& g, const double* g_q, const RowBuffer& d,
@@ -104,7 +101,7 @@ private:
     Riccati::RightSide main_;
     std::vector<Riccati::RightSide> border_;
     std::vector<double> schur_, terminal_q_;  // (nq, nq) Cholesky; (sp, nq) terminal g_q
-    Workspace segment_, reduced_;  // eight segments at a time, rows one after the other
+    Workspace segment_;  // eight segments at a time, rows one after the other
     RowBuffer costate_, elastic_step_;
     RowBuffer gradient_, defect_, step_, lambda_;
     Direction kept_;  // before the last refinement
