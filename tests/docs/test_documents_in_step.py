@@ -1,0 +1,64 @@
+"""Claim: the documents tell every key, status, scheme and solver; what they show flies."""
+
+from __future__ import annotations
+
+import re
+import runpy
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import skyknot as sk
+from skyknot.solvers import SOLVERS
+from skyknot.transcription import DOORS
+from skyknot.verification import certify
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+LARGEST_PICTURE = 300_000
+
+
+def missions_shown():
+    pages = [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]
+    blocks = [
+        block
+        for page in pages
+        for block in re.findall(r"^```toml\n(.*?)^```$", page.read_text(), re.DOTALL | re.MULTILINE)
+    ]
+    return [block for block in blocks if "title" in tomllib.loads(block)]
+
+
+def test_the_mission_reference_is_what_the_schema_makes():
+    make = runpy.run_path(str(DOCS / "make_mission_reference.py"))["reference"]
+    written = (DOCS / "mission-file.md").read_text(encoding="utf-8")
+    assert written == make(), "run: python docs/make_mission_reference.py"
+
+
+@pytest.mark.parametrize("text", missions_shown(), ids=lambda text: tomllib.loads(text)["title"])
+def test_every_mission_shown_is_solved_and_certified(text):
+    mission = sk.missions.parse(text)
+    solution = sk.solve(mission.problem, **mission.settings())
+    assert solution.success, solution.message
+    certificate = certify(mission.problem, solution.trajectory)
+    assert certificate.passed, certificate.sentence
+
+
+@pytest.mark.parametrize("status", sk.Status)
+def test_every_status_has_its_advice(status):
+    page = (DOCS / "my-problem-does-not-solve.md").read_text(encoding="utf-8")
+    headings = [line for line in page.splitlines() if line.startswith("## ")]
+    assert any(f"`{status.value}`" in heading for heading in headings)
+
+
+@pytest.mark.parametrize("name", [*DOORS, *SOLVERS])
+def test_every_scheme_and_solver_has_its_line(name):
+    page = (DOCS / "choosing.md").read_text(encoding="utf-8")
+    assert f"\n| `{name}` |" in page
+
+
+def test_pictures_are_shown_and_small():
+    shown = set(re.findall(r"docs/pictures/(\w+\.png)", (ROOT / "README.md").read_text()))
+    pictures = {path.name: path for path in (DOCS / "pictures").glob("*.png")}
+    assert shown == set(pictures)
+    assert all(path.stat().st_size < LARGEST_PICTURE for path in pictures.values())
