@@ -13,8 +13,7 @@ double clock_seconds() {
 }
 
 // Constants of the paper: (8) and (19)–(23), section 3.1.
-constexpr double kappa_epsilon = 10.0, kappa_mu = 0.2, theta_mu = 1.5, tau_min = 0.99;
-constexpr double s_max = 100.0;
+constexpr double kappa_epsilon = 10.0, kappa_mu = 0.2, theta_mu = 1.5, tau_min = 0.99, s_max = 100.0;
 constexpr double delta_first = 1e-4, delta_smallest = 1e-20, delta_largest = 1e20;
 // A regularisation above this was needed so clearly that the next try starts from a third of it.
 constexpr double delta_persistent = 0.1;
@@ -119,6 +118,7 @@ void InteriorPoint::prepare_boxes() {
         bounded_.push_back({{&q[i], &direction_.q[i], &q_lower[i], &q_upper[i], &q_zl[i], &q_zu[i],
                              &dq_zl_[i], &dq_zu_[i], 1},
                             &trial_q_[i], &newton.weight_q[i], &q_right_[i]});
+    variables_bounded_ = bounded_.size();
     for (std::size_t g = 0; g < groups.size(); ++g) {
         GroupState& group = groups[g];
         for (int r = 0; r < group.value.rows(); ++r)
@@ -183,7 +183,7 @@ bool InteriorPoint::initialise(const Settings& settings) {
     }
     prepare_boxes();
     barrier = settings.barrier_start;
-    last_regularisation_ = 0.0;
+    last_regularisation_ = newton.regularisation = alpha_ = alpha_dual_ = 0.0;
     history.clear();
     for (Bounded& b : bounded_) b.box.push_inside(settings.push, settings.push);
     repeat_last(z);

@@ -120,7 +120,13 @@ private:
     bool diverging() const;
     void keep_entry();
     void return_to_entry();
-    std::size_t variable_boxes() const;
+    Newton& elastic_system();
+    void clamp_slacks(bool trial);
+    double violation(bool trial, double mu) const;
+    void assemble_violation(double mu, Newton& system);
+    double lower_violation(double here, double mu, double& damping, Newton& system);
+    void take_restored();
+    void restart(const Merit& entry);
     void add_primal_barrier(double mu, Newton& system);
     Outcome give_up(const Errors& e, double tolerance, Outcome otherwise) const;
     double seconds() const;
@@ -128,6 +134,7 @@ private:
     Structure S_;
     Direction direction_;
     std::vector<Bounded> bounded_;
+    std::size_t variables_bounded_ = 0;  // how many of them are unknowns; slacks follow
     RowBuffer dzl_, dzu_, cost_gradient_, lagrangian_, right_, defect_, trial_defect_,
         used_defect_, trial_z_, cost_step_, entry_z_;
     std::vector<double> dq_zl_, dq_zu_, q_cost_, q_lagrangian_, q_right_, q_step_right_, trial_q_, entry_q_;
