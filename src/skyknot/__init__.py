@@ -22,6 +22,7 @@ from skyknot.problem.problem import Problem
 from skyknot.problem.variables import Control, State
 from skyknot.solution import Solution
 from skyknot.solve import solve
+from skyknot.solve_many import solve_many
 from skyknot.solvers.ipopt import Ipopt
 from skyknot.status import Status
 from skyknot.storage import load, write_csv
@@ -57,6 +58,7 @@ __all__ = [
     "load",
     "missions",
     "solve",
+    "solve_many",
     "speed_limit",
     "sphere",
     "tilt_limit",

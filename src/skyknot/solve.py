@@ -7,6 +7,7 @@ import platform
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import casadi as ca
@@ -59,26 +60,32 @@ def solve(
     """
     scheme = resolve_transcription(transcription)
     chosen = resolve_solver(solver)
-    _check_arguments(problem, guess, tolerance)
-    task = _Task(problem, scheme, chosen, tolerance, callback)
+    check_arguments(problem, guess, tolerance)
+    return answered(Task(problem, scheme, chosen, tolerance, callback), guess)
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is asked and how it is to be answered, without where to start."""
+
+    problem: Problem
+    scheme: Transcription
+    solver: Solver
+    tolerance: float
+    callback: Callback | None = None
+
+
+def answered(task: Task, guess: Trajectory | Solution | None) -> Solution:
+    """Solve a task from a guess, or from the rungs of the guess ladder until one serves."""
     if guess is not None:
         return _attempt(task, guess, "solution" if isinstance(guess, Solution) else "user")
     failed: list[Solution] = []
-    for start, rung in ladder(problem):
+    for start, rung in ladder(task.problem):
         solution = _attempt(task, start, rung)
         if solution.status not in _WORTH_ANOTHER_START:
             return solution
         failed.append(solution)
     return _least_violated(failed)
-
-
-@dataclass(frozen=True)
-class _Task:
-    problem: Problem
-    scheme: Transcription
-    solver: Solver
-    tolerance: float
-    callback: Callback | None
 
 
 _WORTH_ANOTHER_START = (
@@ -98,7 +105,7 @@ def _least_violated(failed: list[Solution]) -> Solution:
     return replace(best, record=replace(best.record, detail=f"{best.record.detail} {tried}"))
 
 
-def _attempt(task: _Task, guess: Trajectory | Solution, rung: str) -> Solution:
+def _attempt(task: Task, guess: Trajectory | Solution, rung: str) -> Solution:
     """Solve from one guess."""
     problem, scheme, chosen = task.problem, task.scheme, task.solver
     tolerance = task.tolerance
@@ -205,7 +212,8 @@ def _wrong_type(field: str, found: object, example: str) -> UserError:
     )
 
 
-def _check_arguments(problem: Problem, guess: object, tolerance: float) -> None:
+def check_arguments(problem: Problem, guess: object, tolerance: float) -> None:
+    """Raise a UserError when problem, guess and tolerance cannot be what they should be."""
     if not isinstance(problem, Problem):
         raise UserError(
             "The first argument of solve is not a Problem.",
@@ -263,9 +271,9 @@ def _versions() -> dict[str, str]:
 
 def _inputs_hash(program: Any) -> str:
     digest = hashlib.sha256()
-    for function in (program.point, program.terminal):
-        digest.update(function.serialize().encode())
-    for array in (program.C, program.A, program.fractions, program.start):
+    for function in (program.parametric_point, program.parametric_terminal):
+        digest.update(_serialized(function))
+    for array in (program.parameters, program.C, program.A, program.fractions, program.start):
         digest.update(np.ascontiguousarray(array).tobytes())
     for array in (program.lower, program.upper, program.path_lower, program.path_upper):
         digest.update(np.ascontiguousarray(array).tobytes())
@@ -273,6 +281,11 @@ def _inputs_hash(program: Any) -> str:
     for array in (program.segment_cost, rates.positions, rates.lower, rates.upper):
         digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()
+
+
+@lru_cache(maxsize=32)
+def _serialized(function: ca.Function) -> bytes:
+    return str(function.serialize()).encode()
 
 
 class _Stopwatch:

@@ -30,6 +30,7 @@ ARROWS = {
     "storage": {"solution"},
     # the front door takes a problem, so it sees the room where problems are stated
     "solve": {"problem", "transcription", "solvers", "verification", "solution"},
+    "solve_many": {"solve", "problem", "transcription", "solvers", "solution"},
     "missions": {"problem", "models"},
     "report": {"solution"},
     "paper": {"solve", "verification", "report", "problem", "models", "solution"},

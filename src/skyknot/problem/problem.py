@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -136,6 +137,50 @@ class Problem:
             key: value.start if isinstance(value, Free) else float(value)
             for key, value in self.parameters.items()
         }
+
+    def varied(
+        self, parameters: Mapping[str, float] | None = None, initial: Ends = None
+    ) -> Problem:
+        """Return the same problem with other numbers; callables are not checked again.
+
+        Parameters
+        ----------
+        parameters : values by name for some of the parameters that are not free
+        initial : as for the constructor; None keeps what is there
+
+        Raises
+        ------
+        UserError
+            When a parameter is unknown or free, a value is not finite, or the initial state does
+            not fit.
+        """
+        other = copy.copy(self)
+        given = dict(parameters or {})
+        for name, value in given.items():
+            self._check_parameter(name, value)
+        other.parameters = self.parameters | {name: float(value) for name, value in given.items()}
+        if initial is not None:
+            other.initial_lower, other.initial_upper = self._ends(initial, "initial")
+        return other
+
+    def _check_parameter(self, name: str, value: object) -> None:
+        fixed = [key for key in self.parameters if key not in self.free_parameters]
+        if name not in fixed:
+            raise UserError(
+                "There is no parameter of this name whose value can be given.",
+                where="parameters",
+                found=name,
+                expected=", ".join(fixed) or "a problem with parameters",
+                do="Name a parameter of the problem that is not Free.",
+            )
+        if not isinstance(value, int | float) or not np.isfinite(value):
+            raise UserError(
+                "The value of a parameter is not a finite number.",
+                where=f"parameters, {name}",
+                found=value,
+                expected="a finite number",
+                do=f"Give {name} a number.",
+            )
 
     def rates_of(self, x: Any, u: Any, p: Mapping[str, Any], t: Any) -> Any:
         """Return dx/dt as a column (nx, 1) of CasADi expressions."""

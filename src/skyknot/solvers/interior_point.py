@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from skyknot.kernel.evaluation import complete_fixed
 from skyknot.kernel.program import Multipliers, Program
 from skyknot.kernel.rows import Rows, native_solver, tapes
-from skyknot.solvers.base import Callback, IterationRecord, SolverResult
+from skyknot.solvers.base import Callback, IterationRecord, Solver, SolverResult
 from skyknot.solvers.blame import undefined_value, worst_violation
 from skyknot.status import Status
 
@@ -93,8 +93,10 @@ class Prepared:
         tolerance: float,
         multipliers: Multipliers | None = None,
         callback: Callback | None = None,
+        *,
+        interruptible: bool = True,
     ) -> SolverResult:
-        """Solve from z."""
+        """Solve from z; ``interruptible`` looks for Ctrl-C each iteration, which needs the lock."""
         data = self.rows.data(z)
         options: dict[str, Any] = {
             "tolerance": tolerance,
@@ -105,7 +107,7 @@ class Prepared:
             "refinements": settings.refinements,
             "acceptable_factor": 100.0,
             "warm": multipliers is not None,
-            "interruptible": True,
+            "interruptible": interruptible,
         }
         if multipliers is not None:
             data |= self.rows.warm(multipliers)
@@ -131,6 +133,36 @@ class Prepared:
             detail="" if status.success else worst_violation(self.program, z),
             gains=self.rows.gains(raw["gains"]),
             barrier=float(raw["barrier"]),
+        )
+
+
+def reusing(settings: InteriorPoint, program: Program, count: int) -> list[Solver]:
+    """Return solvers with workspaces of their own, for programs that differ in numbers only.
+
+    Each serves one thread at a time, and does not look for Ctrl-C.
+    """
+    prepared = Prepared(program)
+    others = [prepared.another() for _ in range(count - 1)]
+    return [_Reusing(settings, each) for each in (prepared, *others)]
+
+
+@dataclass(frozen=True)
+class _Reusing:
+    settings: InteriorPoint
+    prepared: Prepared
+    name: str = InteriorPoint.name
+
+    def solve(
+        self,
+        program: Program,
+        tolerance: float,
+        multipliers: Multipliers | None = None,
+        callback: Callback | None = None,
+    ) -> SolverResult:
+        """Solve a program like the one prepared; see Solver."""
+        prepared = self.prepared.at(program)
+        return prepared.solve(
+            self.settings, program.start, tolerance, multipliers, callback, interruptible=False
         )
 
 

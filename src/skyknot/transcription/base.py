@@ -9,7 +9,7 @@ Duties of whoever adds a scheme:
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,8 +80,7 @@ class Transcription:
 
     def program(self, problem: Problem, guess: Trajectory) -> Program:
         """Return the finite program of ``problem`` on this mesh, started from ``guess``."""
-        nodes = with_nodes_at(self.nodes, [entry.at for entry in problem.points])
-        points = _Points(self, nodes, problem)
+        points = _Points(self, self._nodes_for(problem), problem)
         layout = points.layout
         lower, upper = _bounds(self, problem, layout)
         names = global_names(problem)
@@ -118,11 +117,53 @@ class Transcription:
             rates=rate_rows(
                 problem, layout, points.fractions, self.table.control_points[self.controls]
             ),
-            start=_start(problem, guess, self.table.points, points, lower, upper),
+            start=self._start(problem, guess, layout, lower, upper),
             scales=decision_scales(problem, layout),
             compressed=self.form == "compressed",
             duration=duration,
         )
+
+    def again(self, program: Program, problem: Problem, guess: Trajectory) -> Program:
+        """Return the program of a problem that differs from the last one in numbers only.
+
+        Parameters
+        ----------
+        program : what ``program`` returned for a problem with the same callables, horizon and
+            constraints; its functions, bookkeeping and scales are kept
+        problem : with its own ends, bounds and values of parameters
+        """
+        lower, upper = _bounds(self, problem, program.layout)
+        return replace(
+            program,
+            lower=lower,
+            upper=upper,
+            parameters=parameter_values(problem),
+            start=self._start(problem, guess, program.layout, lower, upper),
+        )
+
+    def _start(
+        self, problem: Problem, guess: Trajectory, layout: Layout, lower: Array, upper: Array
+    ) -> Array:
+        nodes = self._nodes_for(problem)
+        T = guess.duration
+        z = np.zeros(layout.size)
+        for places, offsets, read in (
+            (self.table.points, layout.states_at(layout.state), guess.state),
+            (
+                self.table.control_points[self.controls],
+                layout.controls_at(layout.control),
+                guess.control,
+            ),
+        ):
+            tau = nodes[:-1, None] + np.diff(nodes)[:, None] * places[None, :]
+            values = read(guess.times[0] + T * np.minimum(tau, 1.0).ravel())
+            z[offsets] = np.reshape(values, offsets.shape)
+        free = [value.start for value in problem.free_parameters.values()]
+        z[layout.global_positions] = ([T] if problem.free_horizon else []) + free
+        return np.clip(z, lower, upper)
+
+    def _nodes_for(self, problem: Problem) -> Array:
+        return with_nodes_at(self.nodes, [entry.at for entry in problem.points])
 
     def _segment_cost(self, points: _Points, problem: Problem) -> Array:
         weights: Array = points.fractions[:, None] * self.table.b[None, points.used]
@@ -212,26 +253,3 @@ def _bounds(transcription: Transcription, problem: Problem, layout: Layout) -> t
     lower[layout.global_positions] = [quantity.lower for quantity in free]  # type: ignore[union-attr]
     upper[layout.global_positions] = [quantity.upper for quantity in free]  # type: ignore[union-attr]
     return lower, upper
-
-
-def _start(
-    problem: Problem,
-    guess: Trajectory,
-    points: Array,
-    bookkeeping: _Points,
-    lower: Array,
-    upper: Array,
-) -> Array:
-    layout, nodes, fractions = bookkeeping.layout, bookkeeping.nodes, bookkeeping.fractions
-    T = guess.duration
-    z = np.zeros(layout.size)
-    for places, offsets, read in (
-        (points, layout.states_at(layout.state), guess.state),
-        (bookkeeping.control_points, layout.controls_at(layout.control), guess.control),
-    ):
-        tau = nodes[:-1, None] + fractions[:, None] * places[None, :]
-        values = read(guess.times[0] + T * np.minimum(tau, 1.0).ravel())
-        z[offsets] = np.reshape(values, offsets.shape)
-    free = [value.start for value in problem.free_parameters.values()]
-    z[layout.global_positions] = ([T] if problem.free_horizon else []) + free
-    return np.clip(z, lower, upper)
