@@ -58,10 +58,8 @@ Restored InteriorPoint::restore(double tolerance) {
 }
 
 Newton& InteriorPoint::elastic_system() {
-    if (!elastic_) {
-        elastic_ = std::make_unique<Newton>(points, newton.terminal_tape(), true);
-        elastic_->riccati().fixed_first = newton.riccati().fixed_first;
-    }
+    if (!elastic_) elastic_ = std::make_unique<Newton>(points, newton.terminal_tape(), true);
+    elastic_->riccati().fixed_first = newton.riccati().fixed_first;
     elastic_->pins = pins;
     elastic_->pin_weight = newton.pin_weight;
     elastic_->elastic_weight = 1.0;
