@@ -1,8 +1,12 @@
 """Optimal trajectories of multirotor and urban-air-mobility vehicles: computed, proved, shown."""
 
-from skyknot import missions
+from __future__ import annotations
+
+import importlib
+from types import ModuleType
+from typing import TYPE_CHECKING
+
 from skyknot.errors import UserError
-from skyknot.missions import vehicles
 from skyknot.problem.airspace import (
     altitude_band,
     box,
@@ -29,6 +33,10 @@ from skyknot.storage import load, write_csv
 from skyknot.trajectory import Trajectory
 from skyknot.transcription import Euler, HermiteSimpson, Transcription, Trapezoid
 from skyknot.version import __version__
+
+if TYPE_CHECKING:
+    from skyknot import missions
+    from skyknot.missions import vehicles
 
 __all__ = [
     "Control",
@@ -65,3 +73,13 @@ __all__ = [
     "vehicles",
     "write_csv",
 ]
+
+# Rooms entered on request: reading mission files needs pydantic, a third of the import's time.
+_ON_REQUEST = {"missions": "skyknot.missions", "vehicles": "skyknot.missions.vehicles"}
+
+
+def __getattr__(name: str) -> ModuleType:
+    """Return a room entered on request."""
+    if name in _ON_REQUEST:
+        return importlib.import_module(_ON_REQUEST[name])
+    raise AttributeError(f"module 'skyknot' has no attribute '{name}'")
