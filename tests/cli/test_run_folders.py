@@ -52,6 +52,13 @@ def solve_into(folder: Path, *more: str) -> int:
     ).exit_code
 
 
+def test_the_line_before_the_verdict_says_where_to_look(tmp_path: Path) -> None:
+    folder = tmp_path / "seen"
+    result = RUNNER.invoke(app, ["solve", "yaw_point_transfer", "--out", str(folder)])
+    told = "".join(result.stdout.splitlines()[-3:-1])
+    assert f"look at {folder / 'report.html'}" in told
+
+
 def test_a_run_holds_everything(run: Path) -> None:
     assert set(contents(run)) == FILES
     facts = json.loads((run / "run.json").read_text(encoding="utf-8"))

@@ -16,6 +16,7 @@ from skyknot.cli.iterations import Watcher, progress_for
 from skyknot.cli.run_folder import check_target, run_facts, write_run
 from skyknot.errors import UserError
 from skyknot.missions import Mission
+from skyknot.report.page import FILE_NAME as REPORT_FILE
 from skyknot.solution import Solution
 from skyknot.solve import DEFAULT_SOLVER, resolve_solver, resolve_transcription
 from skyknot.solve import solve as solve_problem
@@ -186,5 +187,6 @@ def _tell(
     if certificate is not None:
         console.out(certificate.table().rsplit("\n", 1)[0])
     if written is not None:
-        console.out(f"Written to {written}")
+        page = written / REPORT_FILE
+        console.out(f"Written to {written}" + (f"; look at {page}" if page.exists() else ""))
     console.out(verdict(solution, certificate))
