@@ -108,6 +108,9 @@ def test_how_to_reproduce_gives_versions_and_the_hash_of_the_inputs(page):
     text = " ".join(outlined(page).text)
     assert flight().record.inputs_hash in text
     assert all(f"{k} {v}" in text for k, v in flight().record.versions.items())
+    work = text.split("Work done", 1)[1].split("import skyknot", 1)[0]
+    assert all(f"{v} {k.replace('_', ' ')}" in work for k, v in flight().record.work.items())
+    assert "_" not in work
 
 
 def test_the_page_follows_light_dark_and_small_screens(page):

@@ -173,7 +173,7 @@ def _reproduce(solution: Solution) -> str:
     record = solution.record
     versions = ", ".join(f"{name} {version}" for name, version in record.versions.items())
     timings = ", ".join(f"{name} {seconds(value)}" for name, value in record.timings.items())
-    work = ", ".join(f"{count} {name}" for name, count in record.work.items())
+    work = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in record.work.items())
     rows = [
         ("Versions", versions or "not recorded"),
         ("Inputs, SHA-256", record.inputs_hash or "not recorded"),
