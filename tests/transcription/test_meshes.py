@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import skyknot as sk
+from skyknot.kernel.rows import RELAXATION
 from skyknot.transcription.mesh import checked, uniform, with_nodes_at
 
 
@@ -88,7 +89,8 @@ def test_point_constraints_hold_at_their_time(scheme):
     solution = sk.solve(problem, scheme, tolerance=1e-9)
     assert solution.success
     assert solution.state(0.4)[0] == pytest.approx(0.3, abs=1e-8)
-    assert solution.state(0.8)[1] <= -1.2 + 1e-8
+    # inequalities are relaxed by a share of their bound, as in Wächter & Biegler (35)
+    assert solution.state(0.8)[1] <= -1.2 * (1 - RELAXATION) + 1e-9
     assert np.any(np.abs(solution.times - 0.4) < 1e-12)
 
 
