@@ -96,7 +96,7 @@ def test_options_of_the_command_line_replace_those_of_the_mission() -> None:
 
 def test_verbose_shows_the_time_of_every_phase() -> None:
     result = run("solve", "yaw_point_transfer", "-v")
-    for phase in ("guess", "transcription", "solver", "recovery"):
+    for phase in ("transcription", "solver", "recovery"):
         assert any(
             line.split()[:1] == [phase] and line.endswith(" ms")
             for line in result.stdout.splitlines()
