@@ -32,6 +32,7 @@ $(VENV)/.tools: pyproject.toml
 # Editable, so that Python sources need no second install; without build isolation, so that a
 # changed C++ source recompiles alone.
 $(VENV)/.installed: $(VENV)/.tools $(SOURCES)
+	@echo "Compiling the kernel for every instruction set: some minutes, once."
 	$(BIN)/python -m pip install --quiet --no-build-isolation --editable .
 	touch $@
 
