@@ -27,6 +27,7 @@ from skyknot.problem.variables import Control, State
 from skyknot.solution import Solution
 from skyknot.solve import solve
 from skyknot.solve_many import solve_many
+from skyknot.solvers.interior_point import InteriorPoint
 from skyknot.solvers.ipopt import Ipopt
 from skyknot.status import Status
 from skyknot.storage import load, write_csv
@@ -43,6 +44,7 @@ __all__ = [
     "Euler",
     "Free",
     "HermiteSimpson",
+    "InteriorPoint",
     "Ipopt",
     "PathConstraint",
     "PointConstraint",
