@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 
 import skyknot as sk
+from architecture.source_tree import module_name, python_files, room_of
+from architecture.test_arrows import ARROWS
 from skyknot.solvers import SOLVERS
 from skyknot.transcription import DOORS
 from skyknot.verification import certify
@@ -55,6 +57,17 @@ def test_every_status_has_its_advice(status):
 def test_every_scheme_and_solver_has_its_line(name):
     page = (DOCS / "choosing.md").read_text(encoding="utf-8")
     assert f"\n| `{name}` |" in page
+
+
+def test_the_architecture_draws_the_arrows_that_are_enforced():
+    page = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    drawn = {
+        room: set(targets.split(", ")) - {"nothing"}
+        for room, targets in re.findall(r"^(\w+) +→ ([\w, ]+)$", page, re.MULTILINE)
+    }
+    rooms = {room_of(module_name(path)) for path in python_files()}
+    assert drawn.pop("cli") == {"everything"}
+    assert drawn == {room: ARROWS[room] for room in rooms & set(ARROWS)}
 
 
 def test_pictures_are_shown_and_small():
