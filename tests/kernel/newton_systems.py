@@ -16,7 +16,7 @@ from skyknot.kernel import native
 from skyknot.kernel.program import Program
 from skyknot.kernel.rows import Rows, native_solver, tapes
 
-EQUALITY_WEIGHT = 1e8  # as in the native room
+EQUALITY_WEIGHT = 1e10  # as in the native room
 REDUNDANT = 1e-6
 
 
@@ -93,7 +93,7 @@ class NewtonSystem:
         shares = np.linalg.eigvalsh(0.5 * (reached + reached.T))
         return float(1.0 - np.min(shares[shares > REDUNDANT], initial=1.0))
 
-    def step(self, refinements: int = 10) -> dict:
+    def step(self, refinements: int = 10, equality_weight: float = EQUALITY_WEIGHT) -> dict:
         """Return what the native room makes of it."""
         P, ng = len(self.program.point_state), self.program.sizes[3]
         weights, residuals = self._groups(self.D, P, ng), self._groups(self.e, P, ng)
@@ -107,6 +107,7 @@ class NewtonSystem:
             "r_q": self._globals(self.r).tolist(),
             "d": self._to_d(self.d),
             "refinements": refinements,
+            "equality_weight": equality_weight,
         }
         return native.newton_step(self.native, self.data, scale_free)
 

@@ -14,8 +14,6 @@ namespace nb = nanobind;
 namespace skyknot::inline SKYKNOT_ISA {
 namespace {
 
-constexpr double equality_weight = 1e8;
-
 template <class T>
 T get(const nb::dict& from, const char* name) {
     return nb::cast<T>(from[name]);
@@ -39,6 +37,7 @@ void differentiate(InteriorPoint& solver, const Structure& S) {
 
 void load_system(InteriorPoint& solver, const nb::dict& system) {
     Newton& newton = solver.newton;
+    const auto equality_weight = get<double>(system, "equality_weight");
     newton.pins = solver.pins;
     newton.pin_weight = equality_weight;
     newton.regularisation = get<double>(system, "regularisation");
