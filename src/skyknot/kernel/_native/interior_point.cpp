@@ -17,7 +17,7 @@ constexpr double kappa_epsilon = 10.0, kappa_mu = 0.2, theta_mu = 1.5, tau_min =
 constexpr double delta_first = 1e-4, delta_smallest = 1e-20, delta_largest = 1e20;
 // A regularisation above this was needed so clearly that the next try starts from a third of it.
 constexpr double delta_persistent = 0.1;
-constexpr double equality_weight = 1e8;
+constexpr double equality_weight = 1e10;
 
 }  // namespace
 
@@ -67,6 +67,7 @@ Outcome InteriorPoint::solve(const Settings& settings,
         record(e);
         if (watch && watch(history.back())) return Outcome::interrupted;
         if (e.total <= settings.tolerance) return Outcome::solved;
+        if (!std::isfinite(e.total)) return Outcome::evaluation;
         const double acceptable = settings.tolerance * settings.acceptable_factor;
         if (iterations >= settings.max_iterations) return give_up(e, acceptable, Outcome::iterations);
         if (diverging()) return Outcome::stalled;
@@ -143,8 +144,7 @@ bool InteriorPoint::evaluate(const RowBuffer& here, const double* here_q, bool t
         }
     points.rates(here, here_q, trial ? groups.back().trial_value : groups.back().value);
     newton.evaluate_terminal(here, here_q, objective_scale);
-    const double value = points.cost_sum() + newton.terminal_value;
-    (trial ? trial_objective_ : objective_) = value;
+    double& value = (trial ? trial_objective_ : objective_) = points.cost_sum() + newton.terminal_value;
     return std::isfinite(value) && std::isfinite(merit(trial).theta);
 }
 
@@ -275,10 +275,9 @@ void InteriorPoint::gradients() {
 }
 
 double InteriorPoint::multiplier_scale() const {
-    double sum = 0.0, count = 0.0;
+    double sum = 0.0, count = static_cast<double>(lambda.rows()) * S_.N;
     for (int i = 0; i < lambda.rows(); ++i)
         for (int k = 0; k < S_.N; ++k) sum += std::abs(lambda.row(i)[k]);
-    count += static_cast<double>(lambda.rows()) * S_.N;
     for (const Bounded& b : bounded_) sum += b.box.multiplier_sum(), count += b.box.count;
     return std::max(s_max, sum / std::max(1.0, count)) / s_max;
 }
@@ -286,16 +285,18 @@ double InteriorPoint::multiplier_scale() const {
 // Residuals in the user's units; `total` divides by the size of the multipliers as in (5)–(6).
 InteriorPoint::Errors InteriorPoint::errors() const {
     Errors e{0.0, 0.0, 0.0, 0.0};
+    double unreal = 0.0;  // stays zero while every gradient is finite; a maximum would hide a NaN
     for (int r = 0; r < S_.v_rows(); ++r) {
         const double *g = lagrangian_.row(r), *u = zu.row(r), *l = zl.row(r);
         double most = 0.0;
         for (int k = r < S_.nx && newton.fixed_first(r) ? 1 : 0; k < S_.count(r); ++k)
-            most = std::max(most, std::abs(g[k] + u[k] - l[k]));
+            most = std::max(most, std::abs(g[k] + u[k] - l[k])), unreal += 0.0 * g[k];
         e.dual = std::max(e.dual, most / scale.row(r)[0]);
     }
-    for (int i = 0; i < S_.nq; ++i)
-        e.dual = std::max(e.dual, std::abs(q_lagrangian_[at(i)] + q_zu[at(i)] - q_zl[at(i)]) /
-                                      q_scale[at(i)]);
+    for (std::size_t i = 0; i < q.size(); ++i) {
+        e.dual = std::max(e.dual, std::abs(q_lagrangian_[i] + q_zu[i] - q_zl[i]) / q_scale[i]);
+        unreal += 0.0 * q_lagrangian_[i];
+    }
     for (int i = 0; i < defect_.rows(); ++i) {
         const double* d = defect_.row(i);
         double most = 0.0;
@@ -306,8 +307,8 @@ InteriorPoint::Errors InteriorPoint::errors() const {
         for (int i = 0; i < groups[g].value.rows(); ++i)
             for (int k = 0; k < groups[g].count; ++k) {
                 const GroupState& group = groups[g];
-                e.primal = std::max(
-                    e.primal, std::abs(row_residual(g, i, k, false)) * group.unscale[at(i)]);
+                const double off = std::abs(row_residual(g, i, k, false));
+                e.primal = std::max(e.primal, off * group.unscale[at(i)]);
                 const double free = group.active.row(i)[k] * (1.0 - group.equality.row(i)[k]);
                 const double dual = group.zu.row(i)[k] - group.zl.row(i)[k] - group.y.row(i)[k];
                 e.dual = std::max(e.dual, free * std::abs(dual) / group.unscale[at(i)]);
@@ -316,7 +317,7 @@ InteriorPoint::Errors InteriorPoint::errors() const {
         e.complementarity = std::max(e.complementarity, b.box.complementarity(0.0));
     e.dual /= objective_scale, e.complementarity /= objective_scale;
     e.size = multiplier_scale();
-    e.total = std::max({e.dual / e.size, e.primal, e.complementarity / e.size});
+    e.total = std::max({e.dual / e.size, e.primal, e.complementarity / e.size}) + unreal;
     return e;
 }
 
@@ -326,8 +327,8 @@ bool InteriorPoint::update_barrier(const Errors& e, double floor) {
     double complementarity = 0.0;
     for (const Bounded& b : bounded_)
         complementarity = std::max(complementarity, b.box.complementarity(barrier));
-    const double error = std::max(
-        {e.dual * objective_scale / e.size, e.primal, complementarity / e.size});  // E_μ of (5)
+    const double dual = e.dual * objective_scale;
+    const double error = std::max({dual / e.size, e.primal, complementarity / e.size});  // E_μ
     if (error > kappa_epsilon * barrier) return false;
     barrier = std::max(floor, std::min(kappa_mu * barrier, std::pow(barrier, theta_mu)));
     now_ = merit(false);
@@ -425,8 +426,7 @@ void InteriorPoint::take_trial() {
     repeat_last(z);
     q = trial_q_;
     for (int i = 0; i < lambda.rows(); ++i)
-        for (int k = 0; k < S_.N; ++k)
-            lambda.row(i)[k] += alpha_ * direction_.lambda.row(i)[k];
+        for (int k = 0; k < S_.N; ++k) lambda.row(i)[k] += alpha_ * direction_.lambda.row(i)[k];
     for (GroupState& group : groups) {
         for (int i = 0; i < group.y.rows(); ++i)
             for (int k = 0; k < group.count; ++k) {

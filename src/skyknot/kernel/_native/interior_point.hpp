@@ -110,6 +110,8 @@ private:
     double slope() const;
     double longest_primal(double tau) const;
     bool line_search(double tau);
+    double relative_step() const;
+    bool take_tiny_step(double alpha);
     bool accept(const Merit& trial, double alpha, double descent);
     bool second_order_correction(double tau, double descent);
     void make_trial(double alpha);
@@ -145,7 +147,7 @@ private:
     double objective_ = 0.0, trial_objective_ = 0.0;
     double theta_start_ = 0.0, last_regularisation_ = 0.0, alpha_ = 0.0, alpha_dual_ = 0.0;
     double started_ = 0.0, max_seconds_ = 0.0;
-    int refinements_ = 3;
+    int refinements_ = 3, tiny_steps_ = 0;
     bool augment_ = false;
     std::unique_ptr<Newton> elastic_;
 };

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double gamma_theta = 1e-5, gamma_phi = 1e-8, eta_phi = 1e-8, gamma_alpha = 0.05;
 constexpr double s_theta = 1.1, s_phi = 2.3, kappa_soc = 0.99;
-constexpr int corrections = 4;
+constexpr int corrections = 4, most_tiny_steps = 4;
 constexpr double rounding = 10.0 * 2.220446049250313e-16;
 
 }  // namespace
@@ -63,11 +63,32 @@ bool InteriorPoint::accept(const Merit& trial, double alpha, double descent) {
            trial.phi <= now_.phi - gamma_phi * now_.theta + slack;
 }
 
+// Largest |δz| relative to 1 + |z|.
+double InteriorPoint::relative_step() const {
+    double most = 0.0;
+    for (int r = 0; r < S_.v_rows(); ++r)
+        for (int k = 0; k < S_.count(r); ++k)
+            most = std::max(most, std::abs(direction_.v.row(r)[k]) / (1.0 + std::abs(z.row(r)[k])));
+    for (std::size_t i = 0; i < q.size(); ++i)
+        most = std::max(most, std::abs(direction_.q[i]) / (1.0 + std::abs(q[i])));
+    return most;
+}
+
+// Section 3.9: rounding would decide on a step that is nothing but rounding; take it in full, so
+// that the multipliers move, but not for ever.
+bool InteriorPoint::take_tiny_step(double alpha) {
+    tiny_steps_ = relative_step() < rounding ? tiny_steps_ + 1 : 0;
+    if (tiny_steps_ == 0 || tiny_steps_ > most_tiny_steps) return false;
+    make_trial(alpha_ = alpha);
+    return evaluate(trial_z_, trial_q_.data(), true);
+}
+
 bool InteriorPoint::line_search(double tau) {
     const double descent = slope();
     const double alpha_max = longest_primal(tau);
     alpha_dual_ = 1.0;
     for (const Bounded& b : bounded_) alpha_dual_ = b.box.longest_dual(tau, alpha_dual_);
+    if (take_tiny_step(alpha_max)) return true;
     double alpha_min = gamma_theta;
     if (descent < 0.0) {
         alpha_min = std::min(alpha_min, gamma_phi * now_.theta / -descent);

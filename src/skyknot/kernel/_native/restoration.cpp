@@ -17,6 +17,7 @@ constexpr int most_steps = 300;
 constexpr double enough = 0.5;     // wanted share of the violation; κ_resto of section 3.3
 constexpr double progress = 1e-3;  // a step that lowers it by less is a slow one
 constexpr int most_slow_steps = 8;
+constexpr double barrier_share = 1e-2;  // of the violation
 constexpr double least_damping = 1e-10, most_damping = 1e12;
 constexpr double near_feasible = 1e3;  // times the tolerance: too good a point to give up
 
@@ -25,11 +26,12 @@ constexpr double near_feasible = 1e3;  // times the tolerance: too good a point 
 Restored InteriorPoint::restore(double tolerance) {
     ++restorations;
     Newton& system = elastic_system();
-    const double mu = std::min(1e-4, barrier);
     const Merit entry = now_;
     const double entry_primal = errors().primal;
     keep_entry();
     clamp_slacks(false);
+    // the barrier must not drown a small violation
+    const double mu = std::min({1e-4, barrier, barrier_share * violation(false, 0.0)});
     double here = violation(false, mu), damping = 1e-3;
     bool stuck = false;
     int slow = 0;
