@@ -35,7 +35,10 @@ ARROWS = {
     "report": {"solution"},
     "paper": {"solve", "verification", "report", "problem", "models", "solution"},
     # measures solvers against one another on many missions
-    "bench": {"missions", "solve", "solvers", "verification", "solution", "problem", "models"},
+    "bench": {
+        *("missions", "solve", "solvers", "verification", "solution", "problem", "models"),
+        *("transcription", "kernel"),  # builds once what solve builds every time
+    },
     "mpc": {"solve", "problem", "models", "solution"},
     "robust": {"solve", "problem", "models", "solution"},
     "fleet": {"solve", "problem", "models", "solution"},

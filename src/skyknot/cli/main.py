@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from skyknot.cli.bench import bench
 from skyknot.cli.checking import lint, verify
 from skyknot.cli.doctor import doctor
 from skyknot.cli.exits import Exit
@@ -53,7 +54,7 @@ def about(
     """
 
 
-for _command in (solve, lint, verify, missions, vehicles, schema, doctor):
+for _command in (solve, lint, verify, missions, vehicles, schema, doctor, bench):
     app.command()(_command)
 
 
