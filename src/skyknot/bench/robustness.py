@@ -23,6 +23,7 @@ from skyknot.solve import solve
 from skyknot.solvers.base import Solver
 from skyknot.solvers.interior_point import InteriorPoint
 from skyknot.solvers.ipopt import Ipopt
+from skyknot.trajectory import Trajectory
 from skyknot.verification import ends, motion, rate_limits, room
 from skyknot.verification.base import Check
 from skyknot.verification.evidence import Evidence
@@ -117,9 +118,10 @@ def attempt(seed: int, solver: Solver) -> tuple[Attempt, Solution]:
     return found, solution
 
 
-def judged(problem: Problem, solution: Solution) -> tuple[str, float]:
+def judged(problem: Problem, answer: Solution | Trajectory) -> tuple[str, float]:
     """Return the check closest to its limit (or farthest beyond it), and its share of it."""
-    evidence = Evidence(problem, solution.trajectory, {})
+    trajectory = answer.trajectory if isinstance(answer, Solution) else answer
+    evidence = Evidence(problem, trajectory, {})
     checks = [check for judge in CHECKS if (check := judge(evidence, Limits())) is not None]
     worst = max(checks, key=lambda check: check.load)
     return f"{worst.name}: {worst.worst}", worst.load
