@@ -3,6 +3,7 @@
 #include <nanobind/nanobind.h>
 
 #include "lanes.hpp"
+#include "frozen_metric_binding.hpp"
 #include "interior_point_binding.hpp"
 #include "newton_binding.hpp"
 #include "tape_binding.hpp"
@@ -12,4 +13,5 @@ NB_MODULE(SKYKNOT_MODULE, module) {
     skyknot::bind_tape(module);
     skyknot::bind_interior_point(module);
     skyknot::bind_newton(module);
+    skyknot::bind_frozen_metric(module);
 }
