@@ -9,6 +9,7 @@ import typer
 
 from skyknot.cli.bench import bench
 from skyknot.cli.checking import lint, verify
+from skyknot.cli.claims import paper
 from skyknot.cli.doctor import doctor
 from skyknot.cli.exits import Exit
 from skyknot.cli.listing import missions, schema, vehicles
@@ -54,7 +55,7 @@ def about(
     """
 
 
-for _command in (solve, lint, verify, missions, vehicles, schema, doctor, bench):
+for _command in (solve, lint, verify, missions, vehicles, schema, paper, doctor, bench):
     app.command()(_command)
 
 

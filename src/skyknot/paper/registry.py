@@ -1,0 +1,32 @@
+"""The table of experiments, in the order of the source report."""
+
+from __future__ import annotations
+
+from skyknot.paper import accuracy, convergence, efficiency, proof, reduction, stability
+from skyknot.paper.base import Experiment
+
+EXPERIMENTS: dict[str, Experiment] = {
+    experiment.__name__: experiment
+    for experiment in (
+        proof.bounds_respected,
+        accuracy.global_order,
+        accuracy.local_order,
+        stability.stability_region,
+        stability.step_size_test,
+        efficiency.decision_vector,
+        efficiency.linear_in_segments,
+        efficiency.interior_point_growth,
+        efficiency.quadratic_programming_growth,
+        efficiency.speed_against_general_solver,
+        reduction.reduced_order,
+        accuracy.defect_at_report_size,
+        convergence.linear_then_superlinear,
+        proof.arrival,
+        accuracy.defects_by_mesh,
+        proof.minimum_time,
+        proof.forward_simulation,
+        proof.sensitivity,
+        convergence.quadratic_near_solution,
+    )
+}
+"""Experiments by the name under which their findings are kept."""
