@@ -7,7 +7,7 @@ SOURCES := pyproject.toml CMakeLists.txt $(wildcard src/skyknot/kernel/_native/*
 BUILD_TOOLS = $(shell $(PYTHON) -c "import tomllib; \
 	print(*tomllib.load(open('pyproject.toml', 'rb'))['build-system']['requires'])")
 
-.PHONY: demo test bench clean
+.PHONY: demo test bench clean always
 
 demo: $(VENV)/.installed
 	$(BIN)/skyknot solve city_hop --out runs/city_hop
@@ -29,10 +29,15 @@ $(VENV)/.tools: pyproject.toml
 	$(BIN)/python -m pip install --quiet cmake ninja $(foreach tool,$(BUILD_TOOLS),"$(tool)")
 	touch $@
 
-# Editable, so that Python sources need no second install; without build isolation, so that a
-# changed C++ source recompiles alone.
-$(VENV)/.installed: $(VENV)/.tools $(SOURCES)
-	@echo "Compiling the kernel for every instruction set: some minutes, once."
+# The install knows the Python files that there were; this list is newer when one came or went.
+$(VENV)/.files: $(VENV)/.tools always
+	@find src/skyknot -type f -not -name '*.pyc' | sort > $@.now
+	@cmp -s $@.now $@ && rm $@.now || mv $@.now $@
+
+# Editable, so that a changed Python source needs no second install; without build isolation, so
+# that a changed C++ source recompiles alone.
+$(VENV)/.installed: $(VENV)/.tools $(VENV)/.files $(SOURCES)
+	@echo "Installing; the first time compiles the kernel, which takes some minutes."
 	$(BIN)/python -m pip install --quiet --no-build-isolation --editable .
 	touch $@
 
