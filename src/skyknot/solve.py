@@ -118,7 +118,7 @@ def _attempt(task: Task, guess: Trajectory | Solution, rung: str) -> Solution:
     watch.lap("transcription")
     result = chosen.solve(program, tolerance, multipliers, task.callback)
     watch.lap("solver")
-    recovered = recover(program, scheme.table.points, result.z, result.multipliers)
+    recovered = recover(program, scheme.table.points, result.z, result.multipliers, result.values)
     watch.lap("recovery")
     return Solution(
         status=result.status,

@@ -120,12 +120,12 @@ def gradient(
     nx, nu, _, _ = program.sizes
     total = multipliers.bounds.copy()
     per_point = program.point_cost[:, None] * values.JL
-    per_point += np.einsum("pg,pgy->py", multipliers.path, values.Jg)
+    per_point += (multipliers.path[:, None, :] @ values.Jg)[:, 0]
     if with_defects:
         weighted = np.einsum("k,ij,kix->kjx", program.fractions, program.A, multipliers.defects)
         nu_point = np.zeros_like(values.F)
         np.add.at(nu_point, program.segment_points, weighted)
-        per_point += np.einsum("px,pxy->py", nu_point, values.JF)
+        per_point += (nu_point[:, None, :] @ values.JF)[:, 0]
         states = np.einsum("ij,kix->kjx", program.C, multipliers.defects)
         np.add.at(total, layout.states_at(layout.state), states)
     np.add.at(total, layout.states_at(program.point_state), per_point[:, :nx])
@@ -138,12 +138,16 @@ def gradient(
     return total
 
 
-def complete_fixed(program: Program, z: Array, multipliers: Multipliers) -> None:
-    """Set the bound multipliers of fixed unknowns, in place, from stationarity."""
-    fixed = program.lower == program.upper
+def complete_fixed(program: Program, z: Array, multipliers: Multipliers) -> Evaluation:
+    """Set the bound multipliers of fixed unknowns, in place, from stationarity.
+
+    Returns the evaluation at z, for whoever goes on with it.
+    """
+    fixed, values = program.lower == program.upper, evaluate(program, z)
     multipliers.bounds[fixed] = 0.0
-    missing = gradient(program, evaluate(program, z), multipliers)
+    missing = gradient(program, values, multipliers)
     multipliers.bounds[fixed] = -missing[fixed]
+    return values
 
 
 def _add_rates(program: Program, rho: Array, total: Array) -> None:

@@ -6,6 +6,7 @@ Legend: T duration, s in [0, 1] fraction of it, d^i/dt^i written by the order i.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,9 +119,8 @@ def flat_lift(problem: Problem) -> Trajectory | None:
     if not np.any(moves):
         return None
     T = problem.duration_guess
-    s = np.linspace(0, 1, NODES)
-    derivatives = [REST_TO_REST.deriv(i)(s) / T**i if i else REST_TO_REST(s) for i in range(5)]
-    flat = [d[:, None] * moves for d in derivatives]
+    s, shapes = _rest_to_rest()
+    flat = [(d / T**i)[:, None] * moves for i, d in enumerate(shapes)]
     position, velocity, acceleration, jerk, snap = (f[:, :3] for f in flat)
     yaw, yaw_rate, yaw_acceleration = (f[:, 3] for f in flat[:3])
     try:
@@ -148,6 +148,13 @@ def flat_lift(problem: Problem) -> Trajectory | None:
         state_names=problem.state_names,
         control_names=problem.control_names,
     )
+
+
+@cache
+def _rest_to_rest() -> tuple[Array, tuple[Array, ...]]:
+    """Return s, (NODES,), and the polynomial with its four derivatives there."""
+    s = np.linspace(0, 1, NODES)
+    return s, (REST_TO_REST(s), *(REST_TO_REST.deriv(i)(s) for i in range(1, 5)))
 
 
 def _by_wrench(problem: Problem) -> bool:

@@ -119,7 +119,7 @@ class Prepared:
         status = _OUTCOMES[raw["outcome"]]
         z = self.rows.unknowns(raw)
         multipliers = self.rows.multipliers(raw)
-        complete_fixed(self.program, z, multipliers)
+        values = complete_fixed(self.program, z, multipliers)
         if not status.success and undefined_value(self.program, z):
             status = Status.EVALUATION_ERROR
         counts = ("factorisations", "solves", "value_runs", "full_runs", "restorations")
@@ -133,6 +133,7 @@ class Prepared:
             detail="" if status.success else worst_violation(self.program, z),
             gains=self.rows.gains(raw["gains"]),
             barrier=float(raw["barrier"]),
+            values=values,
         )
 
 
