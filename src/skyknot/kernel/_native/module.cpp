@@ -5,6 +5,7 @@
 #include "lanes.hpp"
 #include "frozen_metric_binding.hpp"
 #include "interior_point_binding.hpp"
+#include "micro_program_binding.hpp"
 #include "newton_binding.hpp"
 #include "tape_binding.hpp"
 
@@ -14,4 +15,5 @@ NB_MODULE(SKYKNOT_MODULE, module) {
     skyknot::bind_interior_point(module);
     skyknot::bind_newton(module);
     skyknot::bind_frozen_metric(module);
+    skyknot::bind_micro_program(module);
 }
