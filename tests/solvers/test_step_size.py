@@ -86,6 +86,7 @@ def test_the_norm_of_equation_15_is_the_largest_eigenvalue(seed, alpha):
     found = spectral_norm(
         lambda v: np.linalg.solve(M, H @ v),
         lambda v: float(np.sqrt(v @ M @ v)),
+        lambda v: v,
         random.normal(size=5),
         alpha,
         rounds=2000,
@@ -100,7 +101,23 @@ def test_a_step_of_twice_the_inverse_eigenvalue_is_where_stability_ends():
 
     def norm(alpha):
         return spectral_norm(
-            lambda v: H @ v, lambda v: float(np.linalg.norm(v)), np.array([1.0, 1.0]), alpha, 500
+            lambda v: H @ v,
+            lambda v: float(np.linalg.norm(v)),
+            lambda v: v,
+            np.array([1.0, 1.0]),
+            alpha,
+            500,
         )
 
     assert norm(0.49) < 1.0 < norm(0.51)
+
+
+def test_the_norm_is_taken_on_the_tangent_steps_alone():
+    found = spectral_norm(
+        lambda v: np.array([1.0, 4.0]) * v,
+        lambda v: float(np.linalg.norm(v)),
+        lambda v: np.array([1.0, 0.0]) * v,
+        np.array([1.0, 1.0]),
+        0.9,
+    )
+    assert found == pytest.approx(0.1)

@@ -42,6 +42,7 @@ def barzilai_borwein(s: Array, y: Array, Ms: Array, last: float) -> float:
 def spectral_norm(
     curvature: Callable[[Array], Array],
     norm: Callable[[Array], float],
+    tangent: Callable[[Array], Array],
     start: Array,
     alpha: float,
     rounds: int = 60,
@@ -52,13 +53,17 @@ def spectral_norm(
     ----------
     curvature : v → M⁻¹H v
     norm : the metric's norm, in which I − α M⁻¹H is symmetric
+    tangent : v → the nearest of the steps on which the norm is taken, against rounding
     start : (n,) where the iteration begins; generic
     alpha : fixed step length
     rounds : products with H at most; fewer once the value changes by less than 1e-6
     """
-    v, value = start / norm(start), 0.0
+    v, value = tangent(start), 0.0
+    if norm(v) == 0.0:
+        return 0.0
+    v = v / norm(v)
     for _ in range(rounds):
-        image = v - alpha * curvature(v)
+        image = tangent(v - alpha * curvature(v))
         before, value = value, norm(image)
         if value == 0.0 or not np.isfinite(value) or abs(value - before) < 1e-6 * value:
             return value
