@@ -29,6 +29,7 @@ from skyknot.solve import solve
 from skyknot.solve_many import solve_many
 from skyknot.solvers.interior_point import InteriorPoint
 from skyknot.solvers.ipopt import Ipopt
+from skyknot.solvers.projected_gradient import ProjectedGradient
 from skyknot.status import Status
 from skyknot.storage import load, write_csv
 from skyknot.trajectory import Trajectory
@@ -49,6 +50,7 @@ __all__ = [
     "PathConstraint",
     "PointConstraint",
     "Problem",
+    "ProjectedGradient",
     "QuadraticTracking",
     "Solution",
     "State",
