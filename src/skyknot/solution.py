@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from skyknot.errors import UserError
 from skyknot.status import Status
 from skyknot.trajectory import Trajectory
+from skyknot.witness import Witness
 
 if TYPE_CHECKING:
     from skyknot.problem.problem import Problem
@@ -76,6 +77,8 @@ class Solution:
     problem : the problem solved; None for a solution read from a file
     gains : feedback gains, where the solver has them: (N+1, nu, nx) at the nodes, or
         (N, nu, nx) of the segments when controls are held
+    witness : scheme and multipliers as plain numbers, for the certificate; None in files written
+        before there were any
     """
 
     status: Status
@@ -92,6 +95,7 @@ class Solution:
     record: Record
     problem: Problem | None = None
     gains: Array | None = None
+    witness: Witness | None = None
 
     @property
     def success(self) -> bool:
@@ -190,7 +194,13 @@ class Solution:
                 expected="the problem that was solved",
                 do="Call solution.verify(problem), or 'skyknot verify DIR' for a saved run.",
             )
-        return certify(asked, self.trajectory, self.record.parameters)
+        return certify(asked, self.trajectory, self.record.parameters, witness=self.full_witness())
+
+    def full_witness(self) -> Witness | None:
+        """Return the witness with the costates and gains that this solution claims."""
+        if self.witness is None:
+            return None
+        return replace(self.witness, costates=self.costates, gains=self.gains)
 
     def report(self, path: str | Path) -> Path:
         """Write a one-page HTML report with figures and verdict; return its path."""

@@ -24,6 +24,7 @@ from skyknot.status import Status
 from skyknot.trajectory import Trajectory
 from skyknot.transcription import DOORS, Transcription
 from skyknot.transcription.recover import multipliers_from, recover, same_unknowns
+from skyknot.transcription.testimony import testimony
 from skyknot.version import __version__
 
 Array = NDArray[np.float64]
@@ -154,6 +155,7 @@ def _attempt(task: Task, guess: Trajectory | Solution, rung: str) -> Solution:
         ),
         problem=problem,
         gains=result.gains,
+        witness=testimony(program, scheme.table.points, result.multipliers),
     )
 
 

@@ -18,6 +18,7 @@ from skyknot.errors import UserError
 from skyknot.solution import Record, Solution
 from skyknot.status import Status
 from skyknot.trajectory import SegmentData, Trajectory
+from skyknot.witness import Witness
 
 Array = NDArray[np.float64]
 
@@ -36,6 +37,8 @@ _DAMAGE = (
 )
 _SEGMENTS = tuple(SegmentData.__dataclass_fields__)
 _MULTIPLIERS = ("defects", "path", "rates", "bounds")
+# Costates and gains are the solution's own; the witness gets them when it is called.
+_WITNESS = tuple(n for n in Witness.__dataclass_fields__ if n not in ("costates", "gains"))
 
 
 def save(solution: Solution, path: Path) -> Path:
@@ -53,6 +56,8 @@ def save(solution: Solution, path: Path) -> Path:
     }
     if solution.trajectory.segments is not None:
         arrays |= {f"segment_{n}": getattr(solution.trajectory.segments, n) for n in _SEGMENTS}
+    if solution.witness is not None:
+        arrays |= {f"witness_{name}": getattr(solution.witness, name) for name in _WITNESS}
     if solution.gains is not None:
         arrays["gains"] = solution.gains
     replace_file(path, lambda part: _write_npz(part, arrays))
@@ -152,6 +157,10 @@ def _solution(arrays: dict[str, Any], metadata: dict[str, Any]) -> Solution:
     segments = None
     if any(name.startswith("segment_") for name in arrays):
         segments = SegmentData(**{name: arrays[f"segment_{name}"] for name in _SEGMENTS})
+    witness = None
+    if any(name.startswith("witness_") for name in arrays):
+        read = {name: arrays[f"witness_{name}"] for name in _WITNESS}
+        witness = Witness(**read | {"shared": bool(read["shared"])})
     return Solution(
         status=Status(metadata["status"]),
         objective=float(metadata["objective"]),
@@ -173,6 +182,7 @@ def _solution(arrays: dict[str, Any], metadata: dict[str, Any]) -> Solution:
         decision=arrays["decision"],
         record=Record(**record),
         gains=arrays.get("gains"),
+        witness=witness,
     )
 
 

@@ -11,6 +11,7 @@ from skyknot.verification.base import Check
 from skyknot.verification.certificate import Certificate
 from skyknot.verification.evidence import Evidence
 from skyknot.verification.tolerances import Limits
+from skyknot.witness import Witness
 
 CHECKS: tuple[Callable[[Evidence, Limits], Check | None], ...] = (
     ends.horizon,
@@ -37,6 +38,7 @@ def certify(
     trajectory: Trajectory,
     parameters: Mapping[str, float] | None = None,
     limits: Limits | None = None,
+    witness: Witness | None = None,
 ) -> Certificate:
     """Return the certificate of a trajectory, whoever computed it.
 
@@ -49,13 +51,15 @@ def certify(
         segment data it is read as linear between nodes
     parameters : values of the free parameters found; the problem's own where left out
     limits : limits other than the defaults
+    witness : the scheme's rows and the multipliers, as the solution claims them; without it
+        nothing is said about optimality
 
     Raises
     ------
     UserError
         When the trajectory's columns do not fit the problem.
     """
-    evidence = Evidence(problem, trajectory, parameters or {})
+    evidence = Evidence(problem, trajectory, parameters or {}, witness)
     chosen = limits or Limits()
     found = [check(evidence, chosen) for check in CHECKS]
     return Certificate(problem.name, {check.name: check for check in found if check is not None})

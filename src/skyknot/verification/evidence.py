@@ -18,6 +18,7 @@ from skyknot.trajectory import SegmentData, Trajectory
 from skyknot.verification import polynomials
 from skyknot.verification.equations import Equations
 from skyknot.verification.integration import fly
+from skyknot.witness import Witness
 
 Array = NDArray[np.float64]
 
@@ -54,6 +55,7 @@ class Evidence:
     problem : what was asked
     trajectory : the answer; without segment data it is read as linear between nodes
     parameters : values of parameters by name; the problem's own where left out
+    witness : scheme and multipliers claimed, if any
 
     Raises
     ------
@@ -62,9 +64,14 @@ class Evidence:
     """
 
     def __init__(
-        self, problem: Problem, trajectory: Trajectory, parameters: Mapping[str, float]
+        self,
+        problem: Problem,
+        trajectory: Trajectory,
+        parameters: Mapping[str, float],
+        witness: Witness | None = None,
     ) -> None:
         _check_columns(problem, trajectory)
+        self.witness = witness
         self.problem, self.trajectory, self.parameters = problem, trajectory, dict(parameters)
         self.equations = Equations(problem, parameters)
 
