@@ -119,13 +119,29 @@ class Trajectory:
         return k, tau, h, times.ndim == 0
 
 
+def barycentric_weights(points: Array) -> Array:
+    """Return the (s,) weights w_i = 1/Π_{j≠i} 4(p_i − p_j), of any common scale.
+
+    The factor 4, one over the capacity of [0, 1], keeps the products from under- and overflowing
+    (Berrut & Trefethen, SIAM Review 46 (2004) 501–517, section 7).
+    """
+    gaps = 4 * (points[:, None] - points[None, :])
+    np.fill_diagonal(gaps, 1.0)
+    result: Array = 1 / np.prod(gaps, axis=1)
+    return result
+
+
 def lagrange_basis(points: Array, tau: Array) -> Array:
-    """Return the (M, s) values at ``tau`` of the Lagrange polynomials on ``points`` (s,)."""
-    values = np.ones((len(tau), len(points)))
-    for i, p in enumerate(points):
-        for j, q in enumerate(points):
-            if i != j:
-                values[:, i] *= (tau - q) / (p - q)
+    """Return the (M, s) values at ``tau`` of the Lagrange polynomials on ``points`` (s,).
+
+    By the second barycentric formula, which is stable for the points of collocation schemes at
+    any number (Higham, IMA J. Numer. Anal. 24 (2004) 547–556).
+    """
+    gaps = tau[:, None] - points[None, :]
+    hits = gaps == 0
+    on_point = np.any(hits, axis=1, keepdims=True)
+    shares = np.where(on_point, hits, barycentric_weights(points) / np.where(hits, 1.0, gaps))
+    values: Array = shares / np.sum(shares, axis=1, keepdims=True)
     return values
 
 

@@ -137,6 +137,24 @@ def test_the_bases_reproduce_and_integrate_polynomials(points):
         )
 
 
+@pytest.mark.parametrize("count", [2, 3, 10, 41, 100])
+def test_the_bases_are_stable_for_many_points(count):
+    """Runge's function at Chebyshev points: read between them, and integrated, to rounding."""
+    points = np.sin(0.5 * np.pi * np.arange(count) / (count - 1)) ** 2
+    tau = np.concatenate([np.linspace(0, 1, 301), points])
+    values, integrals = lagrange_basis(points, tau), integral_basis(points, tau)
+    np.testing.assert_allclose(values.sum(axis=1), 1, atol=1e-13)
+    np.testing.assert_allclose(integrals.sum(axis=1), tau, atol=1e-13)
+    np.testing.assert_array_equal(values[301:], np.eye(count))
+    if count == 100:
+        inner, outer = 10 * points - 5, 10 * tau - 5
+        fit = values @ (1 / (1 + inner**2))
+        area = 10 * integrals @ (1 / (1 + inner**2))
+        # |u − p| ≤ 4M ρ^−n/(ρ − 1), the pole i/5 leaves ρ = 1.2198: Trefethen, ATAP, theorem 8.2
+        np.testing.assert_allclose(fit, 1 / (1 + outer**2), atol=1e-7)
+        np.testing.assert_allclose(area, np.arctan(outer) + np.arctan(5), atol=1e-7)
+
+
 BAD = {
     "must increase": ([0.0, 0.0], [[0.0]] * 2, [[0.0]] * 2),
     "at least two": ([0.0], [[0.0]], [[0.0]]),
