@@ -21,11 +21,10 @@ from skyknot.problem.problem import Problem
 from skyknot.trajectory import Trajectory
 from skyknot.transcription.mesh import with_nodes_at
 from skyknot.transcription.pointwise import (
+    PointFunctions,
     global_names,
     parameter_names,
     parameter_values,
-    point_function,
-    terminal_function,
 )
 from skyknot.transcription.rates import rate_rows
 from skyknot.transcription.scales import decision_scales
@@ -80,6 +79,10 @@ class Transcription:
 
     def program(self, problem: Problem, guess: Trajectory) -> Program:
         """Return the finite program of ``problem`` on this mesh, started from ``guess``."""
+        return self.program_of(PointFunctions.of(problem), problem, guess)
+
+    def program_of(self, functions: PointFunctions, problem: Problem, guess: Trajectory) -> Program:
+        """Return the finite program of a problem whose functions were made for another mesh."""
         points = _Points(self, self._nodes_for(problem), problem)
         layout = points.layout
         lower, upper = _bounds(self, problem, layout)
@@ -93,8 +96,8 @@ class Transcription:
             global_names=names,
             path_names=tuple(entry.name for entry in problem.constraints),
             parameter_names=parameter_names(problem),
-            parametric_point=point_function(problem),
-            parametric_terminal=terminal_function(problem),
+            parametric_point=functions.point,
+            parametric_terminal=functions.terminal,
             parameters=parameter_values(problem),
             C=self.table.C,
             A=self.table.A[:, points.used],

@@ -7,6 +7,8 @@ that one function serves all their values.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +32,25 @@ def parameter_values(problem: Problem) -> Array:
     """Return the values of the fixed parameters p, (np,)."""
     values = problem.parameter_values()
     return np.array([values[name] for name in parameter_names(problem)], dtype=float)
+
+
+@dataclass(frozen=True)
+class PointFunctions:
+    """The two functions of a program; no mesh in them, so that all meshes can share them.
+
+    Attributes
+    ----------
+    point : (x, u, q, τ, p) → (L, F, g)
+    terminal : (x, q, p) → M
+    """
+
+    point: ca.Function
+    terminal: ca.Function
+
+    @classmethod
+    def of(cls, problem: Problem) -> PointFunctions:
+        """Return the functions of a problem."""
+        return cls(point_function(problem), terminal_function(problem))
 
 
 def point_function(problem: Problem) -> ca.Function:
