@@ -5,8 +5,8 @@
 Two metrics as in D. P. Bertsekas, "Projected Newton methods for optimization problems with simple
 constraints", SIAM J. Control Optim. 20 (1982): unknowns at a bound whose multiplier pushes outward
 are frozen there, the others move in the metric M. Frozen unknowns are rows held in the same Riccati
-factorisation, which therefore stays as it is while the active set does. A set that does not settle
-in a few rounds is found by an interior point first.
+factorisation, which therefore stays as it is while the active set does. A set whose changes grow,
+or do not cease in a few rounds, is found by an interior point first.
 
 Legend: w scaled unknowns, δ step, r gradient, d defects, ζ multipliers of the bounds.
 """
@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from skyknot.solvers.interior_projection import interior_projection
 from skyknot.solvers.metric import Array, Metric
 
-_ROUNDS = 5  # of the active set before the interior point is asked
+_ROUNDS = 12  # of the active set before the interior point is asked
+_WORSE = 2.0  # growth of its changes from round to round after which it is asked at once
 _OUTSIDE = 1e-10  # scaled
 _WRONG_SIGN = 1e-9  # scaled
 _SHARES = (1.0, 0.3, 0.1, 0.03, 0.01)
@@ -107,9 +108,10 @@ class BoundedProjection:
         return np.clip(w + step, metric.lower, metric.upper) - w
 
     def _settle(self, w: Array, r: Array, d: Array) -> tuple[Array, Array] | None:
-        """Return step and multipliers when the active set settles in a few rounds."""
+        """Return step and multipliers when the active set settles; None when it does not."""
         metric = self._metric
         low, high = metric.lower - w, metric.upper - w
+        most = np.inf
         for _ in range(_ROUNDS):
             if not self.hold():
                 return None
@@ -121,9 +123,13 @@ class BoundedProjection:
             else:
                 step, multipliers, forces = metric.solve(r, d)
             active = self._next_active(step, forces, low, high)
-            if np.array_equal(active, self.active):
+            changes = np.count_nonzero(active != self.active)
+            if not changes:
                 return np.clip(step, low, high), multipliers
             self.active, self.pinned = active, False
+            if changes > most:
+                return None
+            most = _WORSE * changes
         return None
 
     def _next_active(self, step: Array, forces: Array, low: Array, high: Array) -> NDArray[np.int8]:
