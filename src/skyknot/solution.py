@@ -215,6 +215,12 @@ class Solution:
 
         return draw(self, kind)
 
+    def export(self, path: str | Path, to: str | None = None, **options: Any) -> Any:
+        """Write the flight for other programs; see ``skyknot.export.write_export``."""
+        from skyknot.export import write_export  # room entered on request: it imports the formats
+
+        return write_export(self, path, to, **options)
+
     def save(self, path: str | Path) -> Path:
         """Write everything to one NPZ file, through a temporary file; return its path."""
         from skyknot.storage import save

@@ -33,6 +33,7 @@ ARROWS = {
     "solve_many": {"solve", "problem", "transcription", "solvers", "solution"},
     "missions": {"problem", "models"},
     "report": {"solution"},
+    "export": {"solution", "storage", "models"},  # models: the lift of a point's motion
     "paper": {"solve", "verification", "report", "problem", "models", "solution"},
     # measures solvers against one another on many missions
     "bench": {
@@ -47,11 +48,12 @@ ARROWS = {
 EVERYTHING = {"cli", "skyknot"}
 # Rooms entered on request, with the reason: a solution offers them as methods, and importing them
 # with it would load scipy.integrate and matplotlib at every start (report, verification) or close a
-# circle (storage reads solutions).
+# circle (storage and export read solutions).
 LATE = {
     ("skyknot.solution", "verification"),
     ("skyknot.solution", "report"),
     ("skyknot.solution", "storage"),
+    ("skyknot.solution", "export"),
 }
 FILES = python_files()
 NAMES = [module_name(path) for path in FILES]

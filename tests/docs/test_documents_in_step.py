@@ -12,6 +12,7 @@ import pytest
 import skyknot as sk
 from architecture.source_tree import module_name, python_files, room_of
 from architecture.test_arrows import ARROWS
+from skyknot.export import FORMATS
 from skyknot.solvers import SOLVERS
 from skyknot.transcription import DOORS
 from skyknot.verification import certify
@@ -56,6 +57,12 @@ def test_every_status_has_its_advice(status):
 @pytest.mark.parametrize("name", [*DOORS, *SOLVERS])
 def test_every_scheme_and_solver_has_its_line(name):
     page = (DOCS / "choosing.md").read_text(encoding="utf-8")
+    assert f"\n| `{name}` |" in page
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_every_export_format_has_its_row(name):
+    page = (DOCS / "exports.md").read_text(encoding="utf-8")
     assert f"\n| `{name}` |" in page
 
 

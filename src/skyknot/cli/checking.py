@@ -9,9 +9,8 @@ import typer
 
 from skyknot import missions
 from skyknot.cli.exits import Exit, command, print_json
-from skyknot.cli.run_folder import RUN_FILE
+from skyknot.cli.run_folder import check_run
 from skyknot.cli.solving import JsonOption, MissionArgument, certified, solve_arguments
-from skyknot.errors import UserError
 from skyknot.missions import Mission
 from skyknot.missions.placement import shortest_time
 from skyknot.storage import load
@@ -54,14 +53,7 @@ def verify(
 
     Exit status: 0 certified, 2 not a run, 4 not certified.
     """
-    if not (folder / RUN_FILE).is_file():
-        raise UserError(
-            "This is not the folder of a run.",
-            where=str(folder),
-            found=f"no {RUN_FILE}" if folder.is_dir() else "no such folder",
-            expected="a folder written by 'skyknot solve MISSION --out DIR'",
-            do="Check the path, or solve the mission with --out.",
-        )
+    check_run(folder)
     mission = missions.load(folder / "mission.toml", vehicle=folder / "vehicle.toml")
     certificate = certified(mission, load(folder / "solution.npz"))
     status = Exit.GOOD if certificate.passed else Exit.NOT_CERTIFIED

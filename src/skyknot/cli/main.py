@@ -12,6 +12,7 @@ from skyknot.cli.checking import lint, verify
 from skyknot.cli.claims import paper
 from skyknot.cli.doctor import doctor
 from skyknot.cli.exits import Exit
+from skyknot.cli.exporting import export
 from skyknot.cli.listing import missions, schema, vehicles
 from skyknot.cli.solving import solve
 from skyknot.version import __version__
@@ -52,10 +53,12 @@ def about(
       skyknot solve city_hop --out runs/city_hop    solve, certify, draw
 
       skyknot verify runs/city_hop                  check the answer again
+
+      skyknot export runs/city_hop --to csv         give it to other programs
     """
 
 
-for _command in (solve, lint, verify, missions, vehicles, schema, paper, doctor, bench):
+for _command in (solve, lint, verify, export, missions, vehicles, schema, paper, doctor, bench):
     app.command()(_command)
 
 

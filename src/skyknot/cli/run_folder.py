@@ -38,6 +38,18 @@ def check_target(folder: Path) -> None:
     )
 
 
+def check_run(folder: Path) -> None:
+    """Raise a UserError unless the folder is that of a run."""
+    if not (folder / RUN_FILE).is_file():
+        raise UserError(
+            "This is not the folder of a run.",
+            where=str(folder),
+            found=f"no {RUN_FILE}" if folder.is_dir() else "no such folder",
+            expected="a folder written by 'skyknot solve MISSION --out DIR'",
+            do="Check the path, or solve the mission with --out.",
+        )
+
+
 def write_run(
     folder: Path, mission: Mission, solution: Solution, certificate: Certificate | None
 ) -> Path:
