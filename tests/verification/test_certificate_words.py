@@ -37,9 +37,9 @@ def test_the_sentence_of_a_failure_names_the_worst_its_numbers_and_the_place(ans
 def test_the_table_has_a_line_for_every_check_and_the_verdict_last(answer):
     certificate = certify(problem(rates=[1.0]), answer)
     lines = certificate.table().splitlines()
-    assert len(lines) == len(certificate.checks) + 2
+    assert len(lines) == len(certificate.checks) + 2 + len(certificate.notes)
     assert lines[-1] == certificate.sentence
-    marks = {line.split("  ")[1]: line[:4] for line in lines[1:-1]}
+    marks = {line.split("  ")[1]: line[:4] for line in lines[1 : 1 + len(certificate.checks)]}
     assert marks["rates"] == "FAIL"
     assert marks["defects"] == "pass"
 
@@ -49,6 +49,15 @@ def test_every_check_says_how_it_was_measured_in_one_sentence(answer):
         assert check.how.endswith(".")
         assert ". " not in check.how
         assert check.load < 1
+
+
+def test_what_was_not_checked_is_said(answer):
+    certificate = certify(problem(), answer)
+    assert certificate.notes == (
+        "Optimality was not checked: the answer came without multipliers.",
+    )
+    assert certificate.notes[0] in certificate.table().splitlines()
+    assert certificate.as_dict()["notes"] == list(certificate.notes)
 
 
 def test_the_data_survive_json_even_when_a_value_is_not_finite():

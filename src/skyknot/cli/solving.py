@@ -113,7 +113,13 @@ def solve_arguments(
 def certified(mission: Mission, solution: Solution) -> Certificate:
     """Return the certificate of a solution, by the mission's limits."""
     given = mission.file.verification.model_dump(exclude_none=True)
-    return certify(mission.problem, solution.trajectory, limits=Limits(**given))
+    return certify(
+        mission.problem,
+        solution.trajectory,
+        solution.record.parameters,
+        limits=Limits(**given),
+        witness=solution.full_witness(),
+    )
 
 
 def exit_of(solution: Solution, certificate: Certificate | None) -> Exit:

@@ -95,6 +95,9 @@ class Verification(Section):
     arrival: Positive | None = Field(
         default=None, description="miss of the end when flown open loop [share]"
     )
+    optimality: Positive | None = Field(
+        default=None, description="miss of the optimality conditions of the program solved [share]"
+    )
 
 
 class Outputs(Section):

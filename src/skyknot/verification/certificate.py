@@ -15,10 +15,12 @@ class Certificate:
     ----------
     problem : name of the problem
     checks : check by name, in the order measured
+    notes : sentences on what was not checked, and why
     """
 
     problem: str
     checks: dict[str, Check] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -70,7 +72,7 @@ class Certificate:
             "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
             for row in [head, *rows]
         ]
-        return "\n".join([*lines, self.sentence])
+        return "\n".join([*lines, *self.notes, self.sentence])
 
     def as_dict(self) -> dict[str, object]:
         """Return plain data for JSON."""
@@ -79,6 +81,7 @@ class Certificate:
             "passed": self.passed,
             "sentence": self.sentence,
             "checks": {name: check.as_dict() for name, check in self.checks.items()},
+            "notes": list(self.notes),
         }
 
 

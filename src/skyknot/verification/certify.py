@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 from skyknot.problem.problem import Problem
 from skyknot.trajectory import Trajectory
-from skyknot.verification import ends, flight, motion, rate_limits, room
+from skyknot.verification import ends, flight, motion, optimality, rate_limits, room
 from skyknot.verification.base import Check
 from skyknot.verification.certificate import Certificate
 from skyknot.verification.evidence import Evidence
@@ -29,6 +29,9 @@ CHECKS: tuple[Callable[[Evidence, Limits], Check | None], ...] = (
     motion.dynamics_between,
     flight.flight,
     flight.arrival,
+    optimality.stationarity,
+    optimality.signs,
+    optimality.complementarity,
 )
 """All checks in the order of the table: what was asked, equations, between the nodes, flown."""
 
@@ -62,4 +65,11 @@ def certify(
     evidence = Evidence(problem, trajectory, parameters or {}, witness)
     chosen = limits or Limits()
     found = [check(evidence, chosen) for check in CHECKS]
-    return Certificate(problem.name, {check.name: check for check in found if check is not None})
+    checks = {check.name: check for check in found if check is not None}
+    return Certificate(problem.name, checks, _notes(witness))
+
+
+def _notes(witness: Witness | None) -> tuple[str, ...]:
+    if witness is None:
+        return ("Optimality was not checked: the answer came without multipliers.",)
+    return ()

@@ -1,7 +1,7 @@
 """The problem's own callables, compiled for checking: dynamics, path and point constraints.
 
-Legend: M points, nx states, nu controls, ng constraints, m coefficients of the control polynomial
-in a segment of length h that starts at s; τ = (t − s)/h.
+Legend: M points, nx states, nu controls, ng constraints, m Chebyshev coefficients of the control
+polynomial in a segment of length h that starts at a; s = 2 (t − a)/h − 1.
 """
 
 from __future__ import annotations
@@ -64,16 +64,13 @@ class Equations:
         Returns
         -------
         right_side : f(t, x) → (nx,), valid until the next call
-        coefficients : (terms, nu) of τ⁰, τ¹, …; write to it
-        segment : (2,) start s and length h; write to it
+        coefficients : (terms, nu) of the Chebyshev polynomials in s; write to it
+        segment : (2,) start a and length h; write to it
         """
         nx, nu = self.problem.nx, self.problem.nu
         x, t = ca.SX.sym("x", nx), ca.SX.sym("t")
         C, segment = ca.SX.sym("C", nu, terms), ca.SX.sym("segment", 2)
-        tau = (t - segment[0]) / segment[1]
-        control = C[:, terms - 1]
-        for i in reversed(range(terms - 1)):
-            control = control * tau + C[:, i]
+        control = _clenshaw(C, 2 * (t - segment[0]) / segment[1] - 1)
         rates = self.problem.rates_of(x, control, self._p, t)
         function = ca.Function("flight", [x, t, C, segment], [rates])
         return _buffered(function, nx, nu, terms)
@@ -82,6 +79,14 @@ class Equations:
     def _at(function: Any, X: Array, U: Array, t: Array) -> Array:
         result = function.map(len(t))(X.T, U.T, t[None, :])
         return np.asarray(result.full(), dtype=float).T
+
+
+def _clenshaw(C: Any, s: Any) -> Any:
+    """Return Σ_j C[:, j] T_j(s) by Clenshaw's recurrence."""
+    last = before = ca.SX.zeros(C.shape[0])
+    for j in reversed(range(1, C.shape[1])):
+        last, before = C[:, j] + 2 * s * last - before, last
+    return C[:, 0] + s * last - before
 
 
 def _buffered(

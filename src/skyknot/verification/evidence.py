@@ -17,6 +17,7 @@ from skyknot.problem.problem import Problem
 from skyknot.trajectory import SegmentData, Trajectory
 from skyknot.verification import polynomials
 from skyknot.verification.equations import Equations
+from skyknot.verification.finite_program import FiniteProgram
 from skyknot.verification.integration import fly
 from skyknot.witness import Witness
 
@@ -24,6 +25,9 @@ Array = NDArray[np.float64]
 
 DENSITY = 12
 """Samples in a segment: at 10 m/s and 0.1 s a segment, one every 8 cm."""
+
+DENSITY_PER_POINT = 4
+"""Samples for each point of a segment that has many: its polynomials turn that often."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +90,22 @@ class Evidence:
         return np.diff(self.times)
 
     @cached_property
+    def program(self) -> FiniteProgram | None:
+        """The finite program that the witness belongs to; None without a witness."""
+        if self.witness is None:
+            return None
+        return FiniteProgram(
+            self.problem, self.trajectory, self.segments, self.parameters, self.witness
+        )
+
+    @cached_property
+    def density(self) -> int:
+        """D: samples in a segment."""
+        inside = self.segments
+        points = max(len(inside.rate_points), len(inside.control_points))
+        return max(DENSITY, DENSITY_PER_POINT * points)
+
+    @cached_property
     def segments(self) -> SegmentData:
         """The inside of the segments; straight lines where the trajectory carries none."""
         own = self.trajectory.segments
@@ -105,7 +125,7 @@ class Evidence:
 
     @cached_property
     def control_polynomials(self) -> Array:
-        """(N, m, nu) coefficients in τ of the controls."""
+        """(N, m, nu) Chebyshev coefficients of the controls."""
         return polynomials.coefficients(self.segments.control_points, self.segments.control_values)
 
     @cached_property
@@ -122,7 +142,7 @@ class Evidence:
     @cached_property
     def samples(self) -> Samples:
         """The trajectory at the middles of D equal parts of every segment."""
-        tau = (np.arange(DENSITY) + 0.5) / DENSITY
+        tau = (np.arange(self.density) + 0.5) / self.density
         times = (self.times[:-1, None] + self.lengths[:, None] * tau).ravel()
         X, U = self.trajectory.state(times), self.trajectory.control(times)
         return Samples(

@@ -28,7 +28,7 @@ def fly(equations: Equations, trajectory: Trajectory, C: Array) -> Array:
     ----------
     equations : of the problem
     trajectory : where to start, and the nodes (N+1,)
-    C : (N, m, nu) coefficients in τ of the controls
+    C : (N, m, nu) Chebyshev coefficients of the controls
     """
     times = trajectory.times
     right_side, coefficients, segment = equations.flight(C.shape[1])

@@ -6,7 +6,7 @@ import numpy as np
 
 from skyknot.verification import polynomials
 from skyknot.verification.base import Check, worst_of
-from skyknot.verification.evidence import DENSITY, Evidence
+from skyknot.verification.evidence import Evidence
 from skyknot.verification.tolerances import Limits
 
 
@@ -66,11 +66,11 @@ def dynamics_between(evidence: Evidence, limits: Limits) -> Check:
     """Check the dynamics between the nodes: ∫ |dx/dt − f(x, u)| dt over every segment."""
     samples, times = evidence.samples, evidence.times
     nx = evidence.problem.nx
-    error = np.abs(samples.state_rates - samples.rates).reshape(-1, DENSITY, nx)
+    error = np.abs(samples.state_rates - samples.rates).reshape(-1, evidence.density, nx)
     return worst_of(
         "dynamics between nodes",
         "Integral over one segment of the difference between the interpolant's slope and the"
-        f" dynamics, by the midpoint rule with {DENSITY} samples.",
+        f" dynamics, by the midpoint rule with {evidence.density} samples.",
         evidence.lengths[:, None] * np.mean(error, axis=1),
         limits.dynamics * evidence.state_sizes,
         evidence.problem.state_names,

@@ -7,7 +7,7 @@ import numpy as np
 from skyknot.verification import polynomials
 from skyknot.verification.base import Check, outside, worst_of
 from skyknot.verification.ends import magnitudes
-from skyknot.verification.evidence import DENSITY, Evidence
+from skyknot.verification.evidence import Evidence
 from skyknot.verification.tolerances import Limits
 
 
@@ -21,7 +21,7 @@ def rates(evidence: Evidence, limits: Limits) -> Check | None:
     if not np.any(np.isfinite(p.rate_lower) | np.isfinite(p.rate_upper)):
         return None
     C, h, t = evidence.control_polynomials, evidence.lengths, evidence.times
-    tau = np.linspace(0.0, 1.0, DENSITY + 1)
+    tau = np.linspace(0.0, 1.0, evidence.density + 1)
     slopes = polynomials.evaluated(polynomials.differentiated(C), tau) / h[:, None, None]
     places = t[:-1, None] + h[:, None] * tau
     before = polynomials.evaluated(C[:-1], np.array([1.0]))[:, 0]

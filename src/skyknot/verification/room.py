@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from skyknot.verification.base import Check, outside, worst_of
 from skyknot.verification.ends import bounds_of, magnitudes
-from skyknot.verification.evidence import DENSITY, Evidence
+from skyknot.verification.evidence import Evidence
 from skyknot.verification.tolerances import Limits
 
 Array = NDArray[np.float64]
@@ -73,7 +73,7 @@ def states_between(evidence: Evidence, limits: Limits) -> Check | None:
         return None
     return worst_of(
         "state bounds between nodes",
-        f"Peak excess of the interpolated states over {DENSITY} samples in every segment.",
+        f"Peak excess of the interpolated states over {evidence.density} samples in every segment.",
         outside(samples.states, p.state_lower, p.state_upper),
         _allowed(samples.states, p.state_lower, p.state_upper, evidence.state_units, limits),
         p.state_names,
@@ -116,8 +116,8 @@ def path_between(evidence: Evidence, limits: Limits) -> Check | None:
     impulse = limits.control_excess * _rooms(samples.path, lower, upper)
     return worst_of(
         "path between nodes",
-        f"Peak excess of the path constraints over {DENSITY} samples in every segment; of those"
-        " that involve controls, the average over the horizon.",
+        f"Peak excess of the path constraints over {evidence.density} samples in every segment; of"
+        " those that involve controls, the average over the horizon.",
         np.where(actuated, _averaged(evidence, excess), excess),
         np.where(actuated, impulse, allowed),
         tuple(entry.name for entry in entries),
@@ -151,7 +151,9 @@ def _allowed(
 
 def _averaged(evidence: Evidence, excess: Array) -> Array:
     """Return the mean over the horizon in the row of each column's peak, zero elsewhere."""
-    weights = np.repeat(evidence.lengths, DENSITY) / (DENSITY * evidence.trajectory.duration)
+    weights = np.repeat(evidence.lengths, evidence.density) / (
+        evidence.density * evidence.trajectory.duration
+    )
     peak = np.argmax(np.where(np.isfinite(excess), excess, np.inf), axis=0)
     result = np.zeros_like(excess)
     result[peak, np.arange(excess.shape[1])] = weights @ excess

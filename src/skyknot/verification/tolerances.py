@@ -29,6 +29,10 @@ class Limits:
     dynamics : integral of |dx/dt − f| over one segment, relative to the size of the state. One
         thousandth keeps a hundred segments of equal sign below ten per cent.
     flight_rms : limit of equation (26) of the source report, in state units.
+    optimality : optimality conditions of the finite program: slopes of the Lagrangian relative to
+        the largest of 1 and the terms they sum, products of multipliers and distances relative to
+        the largest of 1 and the objective. Ten times the tolerance that solvers are asked for by
+        default: they measure in units of their own.
     arrival : share of its size by which a state may miss its end when flown open loop: the upper
         end of the "1–2 %" of section 5.4 of the source report.
 
@@ -45,6 +49,7 @@ class Limits:
     dynamics: float = 1e-3
     flight_rms: float = 0.02
     arrival: float = 0.02
+    optimality: float = 1e-5
 
     def __post_init__(self) -> None:
         for name in self.__dataclass_fields__:
