@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import csv
+import struct
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from pymavlink.dialects.v20 import common
 
 HOME = (37.2296, -80.4139, 634.0)
 """Where the test flights begin on Earth."""
@@ -22,7 +24,7 @@ class Read:
     frame: str
     text: str
     times: np.ndarray
-    position: np.ndarray
+    position: np.ndarray | None = None
     velocity: np.ndarray | None = None
     acceleration: np.ndarray | None = None
     quaternions: np.ndarray | None = None
@@ -60,5 +62,51 @@ def read_csv(path: Path) -> Read:
     )
 
 
-READERS = {"csv": read_csv}
+def packets(path: Path) -> list:
+    """Return (microseconds, message) of a telemetry log, by pymavlink, which checks every CRC."""
+    content, place, found = path.read_bytes(), 0, []
+    parser = common.MAVLink(None)
+    while place < len(content):
+        (time,) = struct.unpack_from(">Q", content, place)
+        length = 12 + content[place + 9]
+        (message,) = parser.parse_buffer(content[place + 8 : place + 8 + length])
+        found.append((time, message))
+        place += 8 + length
+    return found
+
+
+def read_mavlink(path: Path) -> Read:
+    found = packets(path)
+    texts: dict[int, str] = {}
+    for i, (_, message) in enumerate(found):
+        if message.get_type() == "STATUSTEXT":
+            key = message.id or -i
+            texts[key] = texts.get(key, "") + message.text
+    targets = [m for _, m in found if m.get_type().startswith("SET_")]
+    times = np.array([m.time_boot_ms for m in targets]) * 1e-3
+    rest: dict[str, np.ndarray] = {}
+    if targets[0].get_type() == "SET_POSITION_TARGET_LOCAL_NED":
+        assert {m.coordinate_frame for m in targets} == {common.MAV_FRAME_LOCAL_NED}
+        rest = {
+            "position": np.array([[m.x, m.y, m.z] for m in targets]),
+            "velocity": np.array([[m.vx, m.vy, m.vz] for m in targets]),
+            "acceleration": np.array([[m.afx, m.afy, m.afz] for m in targets]),
+            "yaw": np.array([m.yaw for m in targets]),
+            "yaw_rate": np.array([m.yaw_rate for m in targets]),
+        }
+    else:
+        names = ("body_roll_rate", "body_pitch_rate", "body_yaw_rate")
+        rest = {
+            "quaternions": np.array([m.q for m in targets]),
+            "rates": np.array([[getattr(m, name) for name in names] for m in targets]),
+            "rotors": np.array([[m.thrust] for m in targets]),
+        }
+    return Read("ned", "\n".join(texts.values()), times, **rest)
+
+
+READERS = {
+    "csv": read_csv,
+    "mavlink-position": read_mavlink,
+    "mavlink-attitude": read_mavlink,
+}
 """A reader for every format."""

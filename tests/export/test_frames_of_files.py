@@ -15,7 +15,11 @@ P, D = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]]), np.diag([1.0, -1, -1])
 AXES = {"ned": (np.eye(3), np.eye(3)), "enu": (P, D)}
 CASES = [(name, frame) for name, known in FORMATS.items() for frame in known.frames or (None,)]
 EXACT = {"position": 1e-12, "velocity": 1e-12, "attitude": 1e-12, "rates": 1e-12}
-ACCURACY = {"csv": EXACT}
+ACCURACY = {
+    "csv": EXACT,
+    "mavlink-position": {"position": 2e-6, "velocity": 1e-6, "yaw": 2e-7},
+    "mavlink-attitude": {"attitude": 2e-7, "rates": 1e-7},
+}
 """What each format promises: m, m/s, rad, rad/s."""
 
 

@@ -21,6 +21,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,9 @@ from skyknot.export.samples import Flight
 from skyknot.solution import Solution
 
 EXTRA = "export"
+
+EPOCH = datetime(2000, 1, 1, tzinfo=UTC)
+"""When a flight begins, in formats whose times are dates: midnight, 1 January 2000, UTC."""
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from skyknot.export.base import Format
+from skyknot.export.mavlink import MAVLINK_ATTITUDE, MAVLINK_POSITION
 from skyknot.export.rpg_table import CSV
 
-FORMATS: dict[str, Format] = {entry.name: entry for entry in (CSV,)}
+FORMATS: dict[str, Format] = {
+    entry.name: entry for entry in (CSV, MAVLINK_POSITION, MAVLINK_ATTITUDE)
+}
 """Formats by name."""
