@@ -87,6 +87,13 @@ def test_derivative_weights_differentiate_polynomials():
     np.testing.assert_allclose(W.sum(axis=1), 0, atol=1e-12)
 
 
+def test_derivative_weights_are_stable_for_many_points():
+    points = np.sin(0.5 * np.pi * np.arange(40) / 39) ** 2
+    np.testing.assert_allclose(
+        derivative_weights(points, points) @ np.sin(3 * points), 3 * np.cos(3 * points), atol=1e-10
+    )
+
+
 def test_without_rates_there_are_no_rows():
     program = sk.HermiteSimpson(3).program(swing(None), sk.initial_guess(swing(None))[0])
     assert len(program.rates.length) == 0

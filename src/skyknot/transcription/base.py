@@ -2,7 +2,7 @@
 
 Duties of whoever adds a scheme:
 1. Write its row of ``schemes.py``: points, C, A, b, orders, control points, source. The table
-   checks itself when it is made.
+   checks itself when it is made. Row i must hold x_{i+1}; a point may lack rate and cost.
 2. Write its front door in ``doors.py``: the name users call, with the options that make sense.
 3. Nothing else: packing, recovery of trajectory and costates, and every solver follow the table.
 """
@@ -42,7 +42,8 @@ class Transcription:
     ----------
     table : the scheme
     nodes : (N+1,) fractions of the horizon
-    controls : control parametrisation: "hold", "linear", "quadratic"
+    controls : control parametrisation, one of the table's: "hold", "linear", "quadratic",
+        "polynomial" or "discontinuous"
     form : "separated" (interior states are unknowns) or "compressed" (they are eliminated)
     enforce : "points" bounds states and path at every point of the scheme, "nodes" at nodes only
     objective : "integral" by the scheme's quadrature, or "sum" over nodes 0…N−1 as in equation (10)
@@ -118,7 +119,7 @@ class Transcription:
             path_lower=path_lower,
             path_upper=path_upper,
             rates=rate_rows(
-                problem, layout, points.fractions, self.table.control_points[self.controls]
+                problem, layout, points.fractions, points.control_points, points.shared
             ),
             start=self._start(problem, guess, layout, lower, upper),
             scales=decision_scales(problem, layout),
@@ -198,8 +199,10 @@ class _Points:
         N, s, m = len(self.fractions), len(table.points), self.weights.shape[1]
         nq = len(global_names(problem))
         self.layout: Layout = node_major(N, s, m, self.shared, problem.nx, problem.nu, nq)
-        has_path = bool(problem.constraints)
-        ends = [0, s - 1] if has_path else []  # where the scheme itself may not look
+        # Nodes where the scheme itself may not look, but constraints, the plain sum, or the
+        # bookkeeping of shared controls do.
+        has_path, plain_sum = bool(problem.constraints), transcription.objective == "sum"
+        ends = [0, s - 1] if has_path or self.shared else [0] if plain_sum else []
         self.used: Offsets = np.union1d(table.used, ends).astype(np.intp)
         self.inner_time = nodes[:-1, None] + self.fractions[:, None] * table.points[None, :]
         self._list_points(N, s)
@@ -219,14 +222,26 @@ class _Points:
         self.control = self.layout.control[k]
         self.combination = self.weights[j]
         self.time = self.inner_time[k, j]
-        self.at_node = (j == 0) | (j == s - 1)
+        self.constrained = self._where_constraints_hold(k, j, s - 1)
+
+    def _where_constraints_hold(self, k: Offsets, j: Offsets, last: int) -> NDArray[np.bool_]:
+        """Return (P,) whether path constraints hold at point j of segment k.
+
+        A start without a control value of its own (Radau) repeats the end of the segment before,
+        with an extrapolated control: it counts at the first node only.
+        """
+        where = (j == 0) | (j == last) if self.enforce == "nodes" else np.ones(len(j), dtype=bool)
+        if self.control_points[0] == 0:
+            return where
+        result: NDArray[np.bool_] = where & ((j > 0) | (k == 0))
+        return result
 
     def path_bounds(self) -> tuple[Array, Array]:
         """Return (P, ng) bounds, infinite where a constraint does not apply."""
         path, points, P = self.problem.path, self.problem.points, len(self.time)
         lower, upper = np.full((P, len(path) + len(points)), -np.inf), None
         upper = -lower
-        where = np.ones(P, dtype=bool) if self.enforce == "points" else self.at_node
+        where = self.constrained
         for column, entry in enumerate(path):
             lower[where, column] = -np.inf if entry.lower is None else entry.lower
             upper[where, column] = np.inf if entry.upper is None else entry.upper
