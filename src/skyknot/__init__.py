@@ -33,7 +33,15 @@ from skyknot.solvers.projected_gradient import ProjectedGradient
 from skyknot.status import Status
 from skyknot.storage import load, write_csv
 from skyknot.trajectory import Trajectory
-from skyknot.transcription import Euler, HermiteSimpson, Transcription, Trapezoid
+from skyknot.transcription import (
+    Chebyshev,
+    Euler,
+    HermiteSimpson,
+    Lobatto,
+    Radau,
+    Transcription,
+    Trapezoid,
+)
 from skyknot.version import __version__
 
 if TYPE_CHECKING:
@@ -41,17 +49,20 @@ if TYPE_CHECKING:
     from skyknot.missions import vehicles
 
 __all__ = [
+    "Chebyshev",
     "Control",
     "Euler",
     "Free",
     "HermiteSimpson",
     "InteriorPoint",
     "Ipopt",
+    "Lobatto",
     "PathConstraint",
     "PointConstraint",
     "Problem",
     "ProjectedGradient",
     "QuadraticTracking",
+    "Radau",
     "Solution",
     "State",
     "Status",

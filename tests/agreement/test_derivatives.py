@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 import skyknot as sk
-from agreement.variants import PROBLEMS, SCHEMES, program_of, random_point
+from agreement.variants import ALL_SCHEMES, CASES, PROBLEMS, SCHEMES, program_of, random_point
 from references import problems
 from skyknot.kernel.evaluation import defects, evaluate, gradient, objective
 from skyknot.solvers.nonlinear_program import nonlinear_program
 
-SEPARATED = {name: scheme for name, scheme in SCHEMES.items() if scheme.form == "separated"}
+SEPARATED = [case for case in CASES if ALL_SCHEMES[case[1]].form == "separated"]
 
 
 def graph_multipliers(program, nlp, m):
@@ -36,10 +36,9 @@ def one_sided(program, m):
     m.rates[(m.rates < 0) & ~np.isfinite(program.rates.lower)] = 0.0
 
 
-@pytest.mark.parametrize("scheme", SEPARATED)
-@pytest.mark.parametrize("problem", PROBLEMS)
+@pytest.mark.parametrize(("problem", "scheme"), SEPARATED)
 def test_the_gradient_of_the_lagrangian_is_casadis(problem, scheme):
-    program = program_of(PROBLEMS[problem], SEPARATED[scheme])
+    program = program_of(PROBLEMS[problem], ALL_SCHEMES[scheme])
     z, m = random_point(program, seed=3)
     one_sided(program, m)
     nlp = nonlinear_program(program)
@@ -52,10 +51,9 @@ def test_the_gradient_of_the_lagrangian_is_casadis(problem, scheme):
     np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-11)
 
 
-@pytest.mark.parametrize("scheme", SEPARATED)
-@pytest.mark.parametrize("problem", PROBLEMS)
+@pytest.mark.parametrize(("problem", "scheme"), SEPARATED)
 def test_objective_and_defects_are_the_graphs(problem, scheme):
-    program = program_of(PROBLEMS[problem], SEPARATED[scheme])
+    program = program_of(PROBLEMS[problem], ALL_SCHEMES[scheme])
     z, _ = random_point(program, seed=4)
     nlp = nonlinear_program(program)
     value = ca.Function("value", [nlp.graph["x"]], [nlp.graph["f"], nlp.graph["g"]])
@@ -88,7 +86,9 @@ COMPLEX = {
 
 @pytest.mark.parametrize("case", COMPLEX)
 @pytest.mark.parametrize(
-    "scheme", [sk.Euler(4), sk.Trapezoid(4), sk.HermiteSimpson(4)], ids=["euler", "trap", "hs"]
+    "scheme",
+    [sk.Euler(4), sk.Trapezoid(4), sk.HermiteSimpson(4), sk.Lobatto(2, 4), sk.Radau(2, 3)],
+    ids=["euler", "trap", "hs", "lobatto", "radau"],
 )
 def test_the_defects_jacobian_is_that_of_the_complex_step(case, scheme):
     problem, guess = COMPLEX[case]

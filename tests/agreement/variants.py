@@ -84,8 +84,30 @@ SCHEMES = {
     "hermite-simpson, nodes": sk.HermiteSimpson(8, enforce="nodes"),
     "compressed": sk.HermiteSimpson(8, form="compressed"),
     "compressed, linear": sk.HermiteSimpson(8, form="compressed", controls="linear"),
+    "lobatto": sk.Lobatto(4, points=4),
+    "lobatto, one segment": sk.Lobatto(1, points=9),
+    "lobatto, hold": sk.Lobatto(6, points=4, controls="hold"),
+    "radau, linear": sk.Radau(5, points=3, controls="linear"),
+    "radau, one point": sk.Radau(12, points=1),
+    "chebyshev, uneven": sk.Chebyshev(points=5, mesh=UNEVEN[::2]),
     "compressed, hold, uneven": sk.HermiteSimpson(form="compressed", controls="hold", mesh=UNEVEN),
 }
+
+
+# Polynomials of their own in every segment have no rate to bound at the nodes.
+JUMPING = {
+    "lobatto, discontinuous": sk.Lobatto(4, points=4, controls="discontinuous"),
+    "radau": sk.Radau(4, points=3),
+    "radau, one segment": sk.Radau(1, points=8),
+    "radau, nodes": sk.Radau(4, points=2, enforce="nodes"),
+}
+CASES = [(problem, scheme) for problem in PROBLEMS for scheme in SCHEMES] + [
+    (name, scheme)
+    for name, problem in PROBLEMS.items()
+    if not np.any(np.isfinite([problem.rate_lower, problem.rate_upper]))
+    for scheme in JUMPING
+]
+ALL_SCHEMES = SCHEMES | JUMPING
 
 
 def program_of(problem, scheme):

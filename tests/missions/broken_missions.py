@@ -327,6 +327,21 @@ BROKEN = (
         "Choose one of these",
     ),
     Broken(
+        "control_of_a_single_point", SCHEME, 'name = "radau"\npoints = 1\ncontrols = "polynomial"',
+        "does not know this kind of control", "line 40, scheme.controls", "polynomial", '"hold"',
+        "Choose one of these",
+    ),
+    Broken(
+        "points_of_a_scheme_that_has_its_own", SCHEME, 'name = "euler"\npoints = 4',
+        "cannot have this number of points", "line 39, scheme.points", "4", "no points",
+        "Leave it out",
+    ),
+    Broken(
+        "too_few_points", SCHEME, 'name = "lobatto"\npoints = 1',
+        "cannot have this number of points", "line 39, scheme.points", "1", "2 or more",
+        "points = 5",
+    ),
+    Broken(
         "bow_without_offset", "segments = 40", 'segments = 40\n[guess]\nkind = "bow"',
         "'bow' needs offset", "line 41, guess.kind", "nothing", "offset [m]", "Add offset",
     ),

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import skyknot as sk
-from agreement.variants import PROBLEMS, SCHEMES, program_of, random_point
+from agreement.variants import ALL_SCHEMES, CASES, PROBLEMS, program_of, random_point
 from references import problems
 from skyknot.kernel.evaluation import evaluate, residuals
 from skyknot.kernel.program import Multipliers
@@ -76,10 +76,9 @@ def test_work_is_counted():
     assert len(solution.history) == solution.iterations + 1
 
 
-@pytest.mark.parametrize("scheme", SCHEMES)
-@pytest.mark.parametrize("problem", PROBLEMS)
+@pytest.mark.parametrize(("problem", "scheme"), CASES)
 def test_multipliers_go_down_to_the_graph_and_come_back(problem, scheme):
-    program = program_of(PROBLEMS[problem], SCHEMES[scheme])
+    program = program_of(PROBLEMS[problem], ALL_SCHEMES[scheme])
     z, m = random_point(program, seed=8)
     m.rates[(m.rates > 0) & ~np.isfinite(program.rates.upper)] = 0.0
     m.rates[(m.rates < 0) & ~np.isfinite(program.rates.lower)] = 0.0

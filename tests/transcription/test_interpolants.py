@@ -28,7 +28,13 @@ SCHEMES = {
     "compressed": sk.HermiteSimpson(mesh=MESH, form="compressed"),
     "linear": sk.HermiteSimpson(mesh=MESH, controls="linear"),
     "hold": sk.HermiteSimpson(mesh=MESH, controls="hold"),
+    "lobatto": sk.Lobatto(mesh=MESH, points=4),
+    "lobatto, discontinuous": sk.Lobatto(mesh=MESH, points=5, controls="discontinuous"),
+    "radau": sk.Radau(mesh=MESH, points=3),
+    "radau, one point": sk.Radau(mesh=MESH, points=1),
+    "chebyshev": sk.Chebyshev(mesh=MESH, points=6),
 }
+POLYNOMIAL = ("lobatto", "lobatto, discontinuous", "radau", "chebyshev")
 
 
 @pytest.fixture(scope="module", params=SCHEMES)
@@ -43,9 +49,13 @@ def rate(x, u):
 
 
 def test_nodes_are_read_exactly(solved):
-    _, solution = solved
+    name, solution = solved
     np.testing.assert_allclose(solution.state(solution.times), solution.states, atol=1e-13)
-    np.testing.assert_allclose(solution.control(solution.times)[:-1], solution.controls[:-1])
+    if name == "radau":  # its value at a node is that of the segment before
+        found = solution.control(np.append(0.0, solution.times[1:] - 1e-12))
+        np.testing.assert_allclose(found, solution.controls, atol=1e-9)
+    else:
+        np.testing.assert_allclose(solution.control(solution.times)[:-1], solution.controls[:-1])
     np.testing.assert_allclose(solution.times, 2 * MESH)
 
 
@@ -75,8 +85,34 @@ def test_midpoints_are_what_the_scheme_solved_for(solved):
         np.testing.assert_allclose(solution.trajectory.state_rate(middle), expected, atol=1e-10)
 
 
+def test_interior_points_are_what_a_longer_scheme_solved_for(solved):
+    name, solution = solved
+    inside = solution.trajectory.segments
+    h = np.diff(solution.times)[:, None]
+    for places, values, read in (
+        (inside.interior_points, inside.interior_states, solution.state),
+        (inside.rate_points[inside.rate_points < 1], inside.rates, solution.trajectory.state_rate),
+    ):
+        t = (solution.times[:-1, None] + h * places).ravel()
+        expected = values[:, : len(places)].reshape(len(t), 2)
+        np.testing.assert_allclose(read(t), expected, atol=1e-10)
+    if name in POLYNOMIAL:
+        inner = inside.rate_points < 1
+        t = (solution.times[:-1, None] + h * inside.rate_points[inner]).ravel()
+        expected = rate(solution.state(t), solution.control(t))
+        np.testing.assert_allclose(solution.trajectory.state_rate(t), expected, atol=1e-9)
+
+
 def test_controls_follow_their_parametrisation(solved):
     name, solution = solved
+    if name in POLYNOMIAL:
+        values = solution.trajectory.segments.control_values[2, :, 0]
+        tau = np.linspace(0, 1, len(values) + 3)[1:-1]
+        t = solution.times[2] + tau * (solution.times[3] - solution.times[2])
+        fit = np.polyfit(tau, solution.control(t)[:, 0], len(values) - 1)
+        points = solution.trajectory.segments.control_points
+        np.testing.assert_allclose(np.polyval(fit, points), values, atol=1e-9)
+        return
     k, tau = 2, np.array([0.2, 0.9])
     t = solution.times[k] + tau * (solution.times[k + 1] - solution.times[k])
     left, right = solution.controls[k, 0], solution.controls[k + 1, 0]

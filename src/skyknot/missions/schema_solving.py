@@ -8,7 +8,7 @@ from pydantic import Field
 
 from skyknot.missions.section import Number, Positive, Section, Triple
 
-SCHEME_NAMES = Literal["hermite-simpson", "trapezoid", "euler", "lobatto", "chebyshev"]
+SCHEME_NAMES = Literal["hermite-simpson", "trapezoid", "euler", "lobatto", "radau", "chebyshev"]
 SOLVER_NAMES = Literal["interior-point", "projected-gradient", "ddp", "ipopt"]
 
 
@@ -19,10 +19,11 @@ class Scheme(Section):
     segments: Annotated[int, Field(ge=1, le=100_000)] = Field(
         default=100, description="number of equal segments"
     )
-    points: Annotated[int, Field(ge=2, le=30)] | None = Field(
-        default=None, description="points of a segment, for the schemes that let one choose"
+    points: Annotated[int, Field(ge=1, le=200)] | None = Field(
+        default=None,
+        description="points of a segment: 'lobatto' and 'chebyshev' (2 or more), 'radau'",
     )
-    controls: Literal["hold", "linear", "quadratic"] | None = Field(
+    controls: Literal["hold", "linear", "quadratic", "polynomial", "discontinuous"] | None = Field(
         default=None,
         description="how the control runs inside a segment; the scheme's own by default",
     )

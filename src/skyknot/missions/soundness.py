@@ -19,6 +19,7 @@ from skyknot.missions.formulation import (
 from skyknot.missions.mission_text import MissionText, Path, dotted
 from skyknot.missions.schema import MissionFile
 from skyknot.missions.schema_flight import Heading, Place
+from skyknot.missions.schema_solving import Scheme
 from skyknot.missions.shapes import ALTITUDE_BAND, corridor_constraint, obstacle_constraint
 from skyknot.models.vehicle import Vehicle
 
@@ -304,8 +305,9 @@ def _check_scheme(source: MissionText, file: MissionFile) -> None:
             'objective = "integral", or a fixed duration',
             'Write objective = "integral".',
         )
-    allowed = {"euler": ("hold",), "trapezoid": ("hold", "linear")}.get(scheme.name)
-    if allowed is not None and scheme.controls is not None and scheme.controls not in allowed:
+    _check_points(source, scheme)
+    allowed = ("hold",) if scheme.points == 1 else _CONTROLS[scheme.name]
+    if scheme.controls is not None and scheme.controls not in allowed:
         raise refusal(
             source,
             ("scheme", "controls"),
@@ -314,6 +316,31 @@ def _check_scheme(source: MissionText, file: MissionFile) -> None:
             " or ".join(f'"{name}"' for name in allowed),
             "Choose one of these, or leave it out.",
         )
+
+
+_CONTROLS = {
+    "euler": ("hold",),
+    "trapezoid": ("hold", "linear"),
+    "hermite-simpson": ("hold", "linear", "quadratic"),
+    "lobatto": ("polynomial", "discontinuous", "linear", "hold"),
+    "radau": ("polynomial", "linear", "hold"),
+    "chebyshev": ("polynomial", "discontinuous", "linear", "hold"),
+}
+_LEAST_POINTS = {"lobatto": 2, "radau": 1, "chebyshev": 2}
+
+
+def _check_points(source: MissionText, scheme: Scheme) -> None:
+    least = _LEAST_POINTS.get(scheme.name)
+    if scheme.points is None or (least is not None and scheme.points >= least):
+        return
+    raise refusal(
+        source,
+        ("scheme", "points"),
+        f"The scheme '{scheme.name}' cannot have this number of points.",
+        f"points = {scheme.points}",
+        "no points: they are fixed" if least is None else f"{least} or more",
+        "Leave it out." if least is None else f"Write points = {max(least, 5)}.",
+    )
 
 
 def _check_guess(source: MissionText, file: MissionFile) -> None:

@@ -1,6 +1,23 @@
 """HOW continuous becomes finite: mesh, schemes as tables, packing, recovery."""
 
 from skyknot.transcription.base import Transcription
-from skyknot.transcription.doors import DOORS, Euler, HermiteSimpson, Trapezoid
+from skyknot.transcription.doors import (
+    DOORS,
+    Chebyshev,
+    Euler,
+    HermiteSimpson,
+    Lobatto,
+    Radau,
+    Trapezoid,
+)
 
-__all__ = ["DOORS", "Euler", "HermiteSimpson", "Transcription", "Trapezoid"]
+__all__ = [
+    "DOORS",
+    "Chebyshev",
+    "Euler",
+    "HermiteSimpson",
+    "Lobatto",
+    "Radau",
+    "Transcription",
+    "Trapezoid",
+]

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from numpy.typing import ArrayLike
 
 from skyknot.transcription.base import Array, Transcription
+from skyknot.transcription.collocation import chebyshev, lobatto, radau
 from skyknot.transcription.mesh import checked, uniform
 from skyknot.transcription.schemes import EULER, HERMITE_SIMPSON, TRAPEZOID
 
@@ -55,7 +58,90 @@ def HermiteSimpson(
     )
 
 
-DOORS = {"euler": Euler, "trapezoid": Trapezoid, "hermite-simpson": HermiteSimpson}
+def Lobatto(
+    segments: int = 20,
+    points: int = 5,
+    *,
+    controls: str = "polynomial",
+    mesh: ArrayLike | None = None,
+    **choices: str,
+) -> Transcription:
+    """Return Legendre–Gauss–Lobatto collocation: order 2·points − 2, nodes shared by segments.
+
+    One segment of some tens of points is the global pseudospectral method; several make the hp
+    method. Two points are the trapezoid, three Hermite–Simpson.
+
+    Parameters
+    ----------
+    segments, mesh, choices : as for Euler
+    points : collocation points of a segment, its two nodes included, 2 or more
+    controls : "polynomial" through the points, continuous at the nodes; "discontinuous", the same
+        with values of its own at both ends of every segment; "linear" or "hold"
+
+    References
+    ----------
+    Q. Gong, I. M. Ross, W. Kang & F. Fahroo, Comput. Optim. Appl. 41 (2008) 307–335.
+    """
+    return Transcription(lobatto(points), _nodes(segments, mesh), controls=controls, **choices)
+
+
+def Radau(
+    segments: int = 20,
+    points: int = 4,
+    *,
+    controls: str | None = None,
+    mesh: ArrayLike | None = None,
+    **choices: str,
+) -> Transcription:
+    """Return Radau IIA collocation: order 2·points − 1, L-stable; one point is implicit Euler.
+
+    Parameters
+    ----------
+    segments, mesh, choices : as for Euler
+    points : collocation points of a segment, 1 or more; its end is one of them, its start is not
+    controls : "polynomial" through the collocation points, which may jump at a node (the default
+        from two points on), "linear" or "hold" (the default with one point)
+
+    References
+    ----------
+    D. Garg et al., Comput. Optim. Appl. 49 (2011) 335–358.
+    """
+    table = radau(points)
+    chosen = table.default_controls if controls is None else controls
+    return Transcription(table, _nodes(segments, mesh), controls=chosen, **choices)
+
+
+def Chebyshev(
+    segments: int = 20,
+    points: int = 5,
+    *,
+    controls: str = "polynomial",
+    mesh: ArrayLike | None = None,
+    **choices: str,
+) -> Transcription:
+    """Return Chebyshev–Gauss–Lobatto collocation with Clenshaw–Curtis weights, in integral form.
+
+    Parameters
+    ----------
+    segments, mesh, choices : as for Euler
+    points : collocation points of a segment, its two nodes included, 2 or more
+    controls : as for Lobatto
+
+    References
+    ----------
+    F. Fahroo & I. M. Ross, J. Guidance, Control, and Dynamics 25 (2002) 160–166.
+    """
+    return Transcription(chebyshev(points), _nodes(segments, mesh), controls=controls, **choices)
+
+
+DOORS: dict[str, Callable[..., Transcription]] = {
+    "euler": Euler,
+    "trapezoid": Trapezoid,
+    "hermite-simpson": HermiteSimpson,
+    "lobatto": Lobatto,
+    "radau": Radau,
+    "chebyshev": Chebyshev,
+}
 
 
 def _nodes(segments: int, mesh: ArrayLike | None) -> Array:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from skyknot.kernel.evaluation import Evaluation, defects, evaluate, objective, residuals
 from skyknot.kernel.program import Multipliers, Program
-from skyknot.trajectory import SegmentData, Trajectory
+from skyknot.trajectory import SegmentData, Trajectory, lagrange_basis
 
 Array = NDArray[np.float64]
 
@@ -28,12 +28,11 @@ def trajectory(program: Program, points: Array, z: Array, values: Evaluation) ->
     layout, T = program.layout, program.duration_of(z)
     X = z[layout.states_at(layout.state)]
     U = z[layout.controls_at(layout.control)]
-    controls = np.concatenate([U[:, 0], U[-1:, -1]])
     rated = np.any(program.A != 0, axis=0)  # path constraints may be seen at more points
     return Trajectory(
         times=T * np.concatenate([[0.0], np.cumsum(program.fractions)]),
         states=np.concatenate([X[:, 0], X[-1:, -1]]),
-        controls=controls,
+        controls=_node_controls(program, U),
         segments=SegmentData(
             rate_points=points[program.used[rated]],
             rates=values.F[program.segment_points[:, rated]] / T,
@@ -45,6 +44,18 @@ def trajectory(program: Program, points: Array, z: Array, values: Evaluation) ->
         state_names=program.state_names,
         control_names=program.control_names,
     )
+
+
+def _node_controls(program: Program, U: Array) -> Array:
+    """Return (N+1, nu): the value after each node, or before it where only that is the scheme's.
+
+    Where no control value stands at the first node it is extrapolated, within its bounds.
+    """
+    if program.control_points[0] == 0:
+        return np.concatenate([U[:, 0], U[-1:, -1]])
+    first = lagrange_basis(program.control_points, np.zeros(1)) @ U[0]
+    here = program.layout.controls_at(program.layout.control[0, :1])
+    return np.concatenate([np.clip(first, program.lower[here], program.upper[here]), U[:, -1]])
 
 
 def costates(program: Program, values: Evaluation, multipliers: Multipliers) -> Array:

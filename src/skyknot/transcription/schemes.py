@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from skyknot.transcription.table import SchemeTable
+from skyknot.transcription.collocation import chebyshev, lobatto, radau
+from skyknot.transcription.table import Orders, SchemeTable
 
 EULER = SchemeTable(
     name="explicit Euler",
@@ -15,6 +16,7 @@ EULER = SchemeTable(
     order=1,
     stage_order=1,
     control_points={"hold": np.array([0.0])},
+    orders={"hold": Orders(1, 1, 1)},
     source="Hairer, Nørsett & Wanner, Solving ODEs I, section I.7",
 )
 
@@ -27,6 +29,7 @@ TRAPEZOID = SchemeTable(
     order=2,
     stage_order=2,
     control_points={"linear": np.array([0.0, 1.0]), "hold": np.array([0.0])},
+    orders={"linear": Orders(2, 1, 2), "hold": Orders(2, 1, 2)},
     source="Betts, Practical Methods for Optimal Control, section 4.5",
 )
 
@@ -45,7 +48,16 @@ HERMITE_SIMPSON = SchemeTable(
         "linear": np.array([0.0, 1.0]),
         "hold": np.array([0.0]),
     },
+    orders={"quadratic": Orders(4, 2, 4), "linear": Orders(4, 2, 4), "hold": Orders(2, 1, 2)},
     source="Hargraves & Paris 1987; Hairer, Lubich & Wanner, Lobatto IIIA with 3 points",
 )
 
-SCHEMES = {"euler": EULER, "trapezoid": TRAPEZOID, "hermite-simpson": HERMITE_SIMPSON}
+SCHEMES = {
+    "euler": EULER,
+    "trapezoid": TRAPEZOID,
+    "hermite-simpson": HERMITE_SIMPSON,
+    "lobatto": lobatto(5),
+    "radau": radau(4),
+    "chebyshev": chebyshev(5),
+}
+"""Name in mission files → table; of a family, the one with as many points as its door has."""

@@ -16,6 +16,24 @@ from skyknot.trajectory import lagrange_basis
 
 Array = NDArray[np.float64]
 
+DISCONTINUOUS = "discontinuous"
+"""The control parametrisation that leaves every segment its own values at the nodes."""
+
+
+@dataclass(frozen=True)
+class Orders:
+    """Claimed orders of a solved control problem, on smooth optima with no active bound.
+
+    Attributes
+    ----------
+    states, costates : at the nodes
+    controls : the values the scheme itself solves for, the worst of them
+    """
+
+    states: int
+    controls: int
+    costates: int
+
 
 @dataclass(frozen=True)
 class SchemeTable:
@@ -27,16 +45,17 @@ class SchemeTable:
     points : (s,) τ of the state points, 0 first and 1 last
     C, A : (s−1, s) coefficients of states and of rates times h in each row
     b : (s,) quadrature weights of the running cost
-    order : classical order of the states on smooth problems
+    order : classical order of the states where the control is given
     stage_order : degree up to which every row is exact for polynomials
-    control_points : τ of the control values, by parametrisation
+    control_points : τ of the control values, by parametrisation; the first is the default
+    orders : what is claimed when the control is solved for, by parametrisation
     source : paper or book
 
     Raises
     ------
     ValueError
         When a row is not exact for polynomials of degree ``stage_order``, the weights do not
-        integrate up to ``order``, or a point lies outside [0, 1].
+        integrate up to ``order``, a point lies outside [0, 1], or a parametrisation claims nothing.
     """
 
     name: str
@@ -47,6 +66,7 @@ class SchemeTable:
     order: int
     stage_order: int
     control_points: dict[str, Array]
+    orders: dict[str, Orders]
     source: str
 
     def __post_init__(self) -> None:
@@ -62,6 +82,13 @@ class SchemeTable:
                 raise ValueError(f"{self.name}: the weights do not integrate degree {q}")
         if not np.allclose(self.A[-1], self.b, atol=1e-14):
             raise ValueError(f"{self.name}: the last row must integrate with the weights b")
+        if self.orders.keys() != self.control_points.keys():
+            raise ValueError(f"{self.name}: every parametrisation needs its claimed orders")
+
+    @property
+    def default_controls(self) -> str:
+        """The control parametrisation used when none is asked for."""
+        return next(iter(self.control_points))
 
     @property
     def used(self) -> NDArray[np.intp]:
@@ -75,4 +102,5 @@ class SchemeTable:
     def shares_controls(self, parametrisation: str) -> bool:
         """Whether the first and last control value belong to the nodes and so to both segments."""
         points = self.control_points[parametrisation]
-        return len(points) > 1 and bool(points[0] == 0 and points[-1] == 1)
+        at_nodes = len(points) > 1 and bool(points[0] == 0 and points[-1] == 1)
+        return at_nodes and parametrisation != DISCONTINUOUS
