@@ -99,6 +99,7 @@ class NewtonSystem:
         weights, residuals = self._groups(self.D, P, ng), self._groups(self.e, P, ng)
         scale_free = {
             "regularisation": self.regularisation,
+            "accuracy": 1e-10,
             "weight_v": self._to_v(self.sigma - self.regularisation),
             "weight_q": (self._globals(self.sigma) - self.regularisation).tolist(),
             "row_weights": weights,

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "reductions.hpp"
+
 namespace skyknot::inline SKYKNOT_ISA {
 
 struct Box {
@@ -61,18 +63,19 @@ struct Box {
         }
     }
     double longest_primal(double tau, double at_most) const {
-        for (int k = 0; k < count; ++k) {
-            const double room = step[k] < 0.0 ? value[k] - lower[k] : upper[k] - value[k];
-            at_most = std::min(at_most, tau * room / std::abs(step[k] == 0.0 ? 1e-300 : step[k]));
-        }
-        return at_most;
+        return smallest(count, at_most, [&, this](auto read) SKYKNOT_LAMBDA {
+            const Vector8 v = read(value), d = read(step);
+            const Vector8 room = select(d < 0.0, v - read(lower), read(upper) - v);
+            return tau * room / absolute(select(d == 0.0, broadcast8(1e-300), d));
+        });
     }
     double longest_dual(double tau, double at_most) const {
-        for (int k = 0; k < count; ++k) {
-            if (dzl[k] < 0.0) at_most = std::min(at_most, -tau * zl[k] / dzl[k]);
-            if (dzu[k] < 0.0) at_most = std::min(at_most, -tau * zu[k] / dzu[k]);
-        }
-        return at_most;
+        const auto reach = [=](const Vector8& z, const Vector8& d) SKYKNOT_LAMBDA {
+            return select(d < 0.0, -tau * z / d, broadcast8(1.0));
+        };
+        return smallest(count, at_most, [&, this](auto read) SKYKNOT_LAMBDA {
+            return smaller(reach(read(zl), read(dzl)), reach(read(zu), read(dzu)));
+        });
     }
     // Multipliers move, then stay within κ of the central path's.
     void move_multipliers(double alpha, double mu) {
@@ -85,30 +88,44 @@ struct Box {
     }
     // Σ log of the distances at `at`; −inf outside.
     double log_distances(const double* at) const {
-        double sum = 0.0, product = 1.0;
-        for (int k = 0; k < count; ++k) {
-            const double below = at[k] - lower[k], above = upper[k] - at[k];
-            if (!(below > 0.0) || !(above > 0.0)) return -std::numeric_limits<double>::infinity();
-            product *= (std::isfinite(below) ? below : 1.0) * (std::isfinite(above) ? above : 1.0);
-            if (k % 4 == 3) sum += std::log(product), product = 1.0;
-        }
-        return sum + std::log(product);
+        constexpr double most = std::numeric_limits<double>::max();
+        const double least = smallest(count, most, [&, this](auto read) SKYKNOT_LAMBDA {
+            const Vector8 v = read(at);
+            const Vector8 below = v - read(lower), above = read(upper) - v;
+            const Vector8 distance = smaller(below, above);
+            return select(distance == distance, distance, broadcast8(-1.0));
+        });
+        if (!(least > 0.0)) return -std::numeric_limits<double>::infinity();
+        const auto finite = [](const Vector8& distance) SKYKNOT_LAMBDA {
+            return select(distance <= most, distance, broadcast8(1.0));
+        };
+        return log_product(count, [&, this](auto read) SKYKNOT_LAMBDA {
+                   return finite(read(at) - read(lower));
+               }) +
+               log_product(count, [&, this](auto read) SKYKNOT_LAMBDA {
+                   return finite(read(upper) - read(at));
+               });
     }
     // Largest |z (v − bound) − μ|.
     double complementarity(double mu) const {
-        double most = 0.0;
-        for (int k = 0; k < count; ++k) {
-            if (std::isfinite(lower[k]))
-                most = std::max(most, std::abs(zl[k] * (value[k] - lower[k]) - mu));
-            if (std::isfinite(upper[k]))
-                most = std::max(most, std::abs(zu[k] * (upper[k] - value[k]) - mu));
-        }
-        return most;
+        const auto off = [=](const Vector8& z, const Vector8& distance) SKYKNOT_LAMBDA {
+            return select(distance <= std::numeric_limits<double>::max(),
+                          absolute(z * distance - mu), Vector8{});
+        };
+        return largest(count, 0.0, [&, this](auto read) SKYKNOT_LAMBDA {
+            const Vector8 v = read(value);
+            return larger(off(read(zl), v - read(lower)), off(read(zu), read(upper) - v));
+        });
     }
     double multiplier_sum() const {
-        double sum = 0.0;
-        for (int k = 0; k < count; ++k) sum += zl[k] + zu[k];
-        return sum;
+        return total(count, [this](auto read) SKYKNOT_LAMBDA { return read(zl) + read(zu); });
+    }
+    // Σ of a step times the gradient of the barrier term.
+    double barrier_slope(double mu) const {
+        return total(count, [&, this](auto read) SKYKNOT_LAMBDA {
+            const Vector8 v = read(value);
+            return read(step) * (mu / (read(upper) - v) - mu / (v - read(lower)));
+        });
     }
 };
 

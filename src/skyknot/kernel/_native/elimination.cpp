@@ -1,9 +1,10 @@
 #include "elimination.hpp"
 
-#include <algorithm>
 #include <map>
+#include <utility>
 
 #include "segment.hpp"
+#include "transpose.hpp"
 
 namespace skyknot::inline SKYKNOT_ISA {
 namespace {
@@ -16,6 +17,19 @@ struct Kept {
     std::vector<std::vector<int>> LU, N, HI;  // segment row of each entry; −1 zero, −2 one
     std::vector<int> inverse;
     int rows = 0;
+};
+
+// Where the workspace's values go, by groups of eight consecutive doubles.
+struct Chunks {
+    std::map<std::size_t, std::array<std::uint32_t, 8>> places;
+
+    void put(std::size_t offset, std::uint32_t place) { places[offset / 8 * 8][offset % 8] = place; }
+    std::vector<Elimination::Chunk> list() const {
+        std::vector<Elimination::Chunk> chunks;
+        for (const auto& [offset, eight] : places)
+            chunks.push_back({static_cast<std::uint32_t>(offset), eight});
+        return chunks;
+    }
 };
 
 struct Keeper {
@@ -104,16 +118,11 @@ Kept build_factor(Elimination& elimination, Segment& segment, const StageLayout&
             for (int i = 0; i < nI; ++i) terms.emplace_back(H[at(y)][at(S.nx + i)], T[at(i)][at(c)]);
             G[at(y)][at(c)] = b.dot(terms);
         }
-    const auto entry = [&](std::vector<Elimination::Scatter>& scatter, Value value,
-                           std::initializer_list<std::size_t> offsets) {
+    Chunks stage, hessian;
+    const auto entry = [&](Chunks& chunks, Value value, std::initializer_list<std::size_t> offsets) {
         if (value.is_zero()) return;
-        const auto index = static_cast<std::uint32_t>(elimination.matrix_entries++);
-        b.output(target::stage, std::size_t{index} * lane_count, value);
-        for (std::size_t offset : offsets)
-            scatter.push_back({index, static_cast<std::uint32_t>(offset)});
+        for (const std::size_t offset : offsets) chunks.put(offset, b.place(value));
     };
-    auto& stage = elimination.matrix_scatter;
-    auto& hessian = elimination.hessian_scatter;
     for (int r = 0; r < S.nx; ++r) {
         const auto& row = T[at((S.s - 2) * S.nx + r)];
         for (int y : w) {
@@ -137,6 +146,8 @@ Kept build_factor(Elimination& elimination, Segment& segment, const StageLayout&
             else if (pc >= 0) entry(stage, value, {layout.gq(pc, qa)});
             else entry(stage, value, {layout.Hqq(qa, qc), layout.Hqq(qc, qa)});
         }
+    elimination.matrix_chunks = stage.list();
+    elimination.hessian_chunks = hessian.list();
     elimination.factor = b.finish();
     return kept;
 }
@@ -176,29 +187,19 @@ void build_reduce(Elimination& elimination, const Structure& S, const Kept& kept
     // Tᵀ c_I = −Nᵀ M⁻ᵀ c_I: the factors and the sparse N are smaller than T.
     const std::vector<Value> pulled =
         solve_transposed(b, factors, {c.begin() + S.nx, c.begin() + S.nx + nI});
-    auto entry = [&](Value value) {
-        const auto index = static_cast<std::uint32_t>(elimination.vector_entries++);
-        b.output(target::stage, std::size_t{index} * lane_count,
-                 value.is_zero() ? b.dot({{b.scalar(scalar::regularisation), b.constant(1e-300)}})
-                                 : value);
-        return index;
-    };
+    Chunks vector;
+    const std::vector<int> w = outside(segment);
     for (int r = 0; r < S.nx; ++r)
-        elimination.vector_scatter.push_back(
-            {entry(m[at((S.s - 2) * S.nx + r)]), static_cast<std::uint32_t>(layout.r(r))});
-    for (int y : outside(segment)) {
+        vector.put(layout.r(r), b.place(m[at((S.s - 2) * S.nx + r)]));
+    for (int y : w) {
         std::vector<Term> terms;
         for (int i = 0; i < nI; ++i) terms.emplace_back(N[at(i)][at(y)], pulled[at(i)]);
         const Value value = b.dot(terms, c[at(y)], true);
         const int place = segment.stage(layout, y);
-        if (place >= 0) {
-            if (!value.is_zero())
-                elimination.vector_scatter.push_back(
-                    {entry(value), static_cast<std::uint32_t>(layout.g(place))});
-        } else {
-            elimination.global_entries.push_back(entry(value));
-        }
+        if (place >= 0) vector.put(layout.g(place), b.place(value));
+        else elimination.global_places.push_back(b.place(value));
     }
+    elimination.vector_chunks = vector.list();
     elimination.reduce = b.finish();
 }
 
@@ -257,11 +258,18 @@ Elimination::Elimination(const Structure& S, bool elastic) {
     segment_rows = static_cast<std::size_t>(kept.rows);
     build_reduce(*this, S, kept, elastic, layout);
     build_expand(*this, S, kept, elastic);
-    // In memory order, so that writing a stage goes forward.
-    const auto by_offset = [](const Scatter& a, const Scatter& c) { return a.offset < c.offset; };
-    std::sort(matrix_scatter.begin(), matrix_scatter.end(), by_offset);
-    std::sort(hessian_scatter.begin(), hessian_scatter.end(), by_offset);
-    std::sort(vector_scatter.begin(), vector_scatter.end(), by_offset);
+}
+
+void Elimination::write(const std::vector<Chunk>& chunks, const double* workspace, double* to,
+                        std::size_t size, int filled) {
+    for (const auto& [offset, places] : chunks) {
+        Vector8Block block;
+        for (std::size_t i = 0; i < 8; ++i)
+            block.rows[i] = load_wide(workspace + std::size_t{places[i]} * lane_count);
+        block.transpose();
+        for (std::size_t lane = 0; lane < static_cast<std::size_t>(filled); ++lane)
+            store_wide(to + lane * size + offset, block.rows[lane]);
+    }
 }
 
 }  // namespace skyknot::inline SKYKNOT_ISA

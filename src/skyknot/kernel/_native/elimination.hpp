@@ -7,8 +7,8 @@
 // Λ = −M⁻ᵀ (H δy + g)_I − M⁻ᵀ e_last π with π the gradient of the cost-to-go in x_{k+1}.
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "micro_program.hpp"
@@ -33,7 +33,7 @@ enum : std::uint32_t {
 };
 }
 namespace target {
-enum : std::uint32_t { segment, stage, step, defect };
+enum : std::uint32_t { segment, step, defect };
 }
 namespace scalar {
 enum : std::uint32_t { regularisation, elastic_weight, first_global };
@@ -49,16 +49,18 @@ public:
     MicroProgram factor, reduce, expand;
     std::size_t segment_rows = 0;
 
-    // Stage blocks (Hessians apart) are written eight segments at a time, transposed: entry e of the block goes to
-    // these offsets of each segment's stage (two when it mirrors).
-    struct Scatter {
-        std::uint32_t entry;
+    // Stage blocks are written eight segments at a time, transposed: eight consecutive doubles from
+    // `offset` of each segment's block come from these places of the workspace.
+    struct Chunk {
         std::uint32_t offset;
+        std::array<std::uint32_t, 8> places;
     };
-    std::vector<Scatter> matrix_scatter, hessian_scatter, vector_scatter;
-    std::size_t matrix_entries = 0, vector_entries = 0;
-    // Entries of the vector block that are each segment's share of the globals' gradient.
-    std::vector<std::uint32_t> global_entries;
+    std::vector<Chunk> matrix_chunks, hessian_chunks, vector_chunks;
+    // Places of each segment's share of the globals' gradient, after `reduce`.
+    std::vector<std::uint32_t> global_places;
+    // Writes the blocks of segments 0 … filled − 1, `size` doubles each, to `to`.
+    static void write(const std::vector<Chunk>& chunks, const double* workspace, double* to,
+                      std::size_t size, int filled);
 };
 
 }  // namespace skyknot::inline SKYKNOT_ISA

@@ -145,7 +145,9 @@ bool InteriorPoint::evaluate(const RowBuffer& here, const double* here_q, bool t
     points.rates(here, here_q, trial ? groups.back().trial_value : groups.back().value);
     newton.evaluate_terminal(here, here_q, objective_scale);
     double& value = (trial ? trial_objective_ : objective_) = points.cost_sum() + newton.terminal_value;
-    return std::isfinite(value) && std::isfinite(merit(trial).theta);
+    const Merit found = merit(trial);
+    if (trial) trial_merit_ = found;
+    return std::isfinite(value) && std::isfinite(found.theta);
 }
 
 double InteriorPoint::row_residual(std::size_t g, int i, int k, bool trial) const {
@@ -160,8 +162,7 @@ InteriorPoint::Merit InteriorPoint::merit(bool trial) const {
     for (const Bounded& b : bounded_)
         m.phi -= barrier * b.box.log_distances(trial ? b.trial : b.box.value);
     const RowBuffer& d = trial ? trial_defect_ : defect_;
-    for (int i = 0; i < d.rows(); ++i)
-        for (int k = 0; k < S_.N; ++k) m.theta += std::abs(d.row(i)[k]);
+    for (int i = 0; i < d.rows(); ++i) m.theta += sum_absolute(d.row(i), S_.N);
     for (std::size_t g = 0; g < groups.size(); ++g)
         for (int i = 0; i < groups[g].value.rows(); ++i)
             for (int k = 0; k < groups[g].count; ++k)
@@ -276,8 +277,7 @@ void InteriorPoint::gradients() {
 
 double InteriorPoint::multiplier_scale() const {
     double sum = 0.0, count = static_cast<double>(lambda.rows()) * S_.N;
-    for (int i = 0; i < lambda.rows(); ++i)
-        for (int k = 0; k < S_.N; ++k) sum += std::abs(lambda.row(i)[k]);
+    for (int i = 0; i < lambda.rows(); ++i) sum += sum_absolute(lambda.row(i), S_.N);
     for (const Bounded& b : bounded_) sum += b.box.multiplier_sum(), count += b.box.count;
     return std::max(s_max, sum / std::max(1.0, count)) / s_max;
 }
@@ -287,10 +287,12 @@ InteriorPoint::Errors InteriorPoint::errors() const {
     Errors e{0.0, 0.0, 0.0, 0.0};
     double unreal = 0.0;  // stays zero while every gradient is finite; a maximum would hide a NaN
     for (int r = 0; r < S_.v_rows(); ++r) {
-        const double *g = lagrangian_.row(r), *u = zu.row(r), *l = zl.row(r);
-        double most = 0.0;
-        for (int k = r < S_.nx && newton.fixed_first(r) ? 1 : 0; k < S_.count(r); ++k)
-            most = std::max(most, std::abs(g[k] + u[k] - l[k])), unreal += 0.0 * g[k];
+        const int from = r < S_.nx && newton.fixed_first(r) ? 1 : 0, count = S_.count(r) - from;
+        const double *g = lagrangian_.row(r) + from, *u = zu.row(r) + from, *l = zl.row(r) + from;
+        const double most = largest(count, 0.0, [=](auto read) SKYKNOT_LAMBDA {
+            return absolute(read(g) + read(u) - read(l));
+        });
+        unreal += total(count, [=](auto read) SKYKNOT_LAMBDA { return 0.0 * read(g); });
         e.dual = std::max(e.dual, most / scale.row(r)[0]);
     }
     for (std::size_t i = 0; i < q.size(); ++i) {
@@ -298,9 +300,7 @@ InteriorPoint::Errors InteriorPoint::errors() const {
         unreal += 0.0 * q_lagrangian_[i];
     }
     for (int i = 0; i < defect_.rows(); ++i) {
-        const double* d = defect_.row(i);
-        double most = 0.0;
-        for (int k = 0; k < S_.N; ++k) most = std::max(most, std::abs(d[k]));
+        const double most = largest_absolute(defect_.row(i), S_.N);
         e.primal = std::max(e.primal, most * defect_scale[at(i % S_.nx)]);
     }
     for (std::size_t g = 0; g < groups.size(); ++g)
@@ -439,7 +439,7 @@ void InteriorPoint::take_trial() {
     objective_ = trial_objective_;
     for (std::size_t p = 0; p < pins.size(); ++p) pin_multipliers[p] += alpha_ * direction_.pins[p];
     for (Bounded& b : bounded_) b.box.move_multipliers(alpha_dual_, barrier);
-    now_ = merit(false);
+    now_ = trial_merit_;
 }
 
 void InteriorPoint::record(const Errors& e) {

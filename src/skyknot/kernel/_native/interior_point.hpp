@@ -143,7 +143,7 @@ private:
     std::vector<RowBuffer> class_rows_, used_rows_, entry_slack_;
     std::vector<const RowBuffer*> y_;
     Filter filter_;
-    Merit now_{};
+    Merit now_{}, trial_merit_{};
     double objective_ = 0.0, trial_objective_ = 0.0;
     double theta_start_ = 0.0, last_regularisation_ = 0.0, alpha_ = 0.0, alpha_dual_ = 0.0;
     double started_ = 0.0, max_seconds_ = 0.0;

@@ -225,9 +225,9 @@ void bind_interior_point(nb::module_& module) {
                  return std::vector<std::size_t>{e.factor.multiplications(),
                                                  e.reduce.multiplications(),
                                                  e.expand.multiplications(), e.segment_rows,
-                                                 e.factor.slots(), e.matrix_entries};
+                                                 e.factor.slots()};
              },
-             "Multiply-adds a segment of factor, reduce and expand; rows kept; slots; entries.")
+             "Multiply-adds a segment of factor, reduce and expand; rows kept; slots.")
         .def("solve", &solve, nb::arg("data"), nb::arg("options"),
              nb::arg("callback") = nb::none());
 }

@@ -15,14 +15,12 @@ constexpr double rounding = 10.0 * 2.220446049250313e-16;
 
 double InteriorPoint::slope() const {
     double sum = 0.0;
-    for (int r = 0; r < S_.v_rows(); ++r)
-        for (int k = 0; k < S_.count(r); ++k)
-            sum += cost_gradient_.row(r)[k] * direction_.v.row(r)[k];
+    for (int r = 0; r < S_.v_rows(); ++r) {
+        const double *g = cost_gradient_.row(r), *step = direction_.v.row(r);
+        sum += total(S_.count(r), [=](auto read) SKYKNOT_LAMBDA { return read(g) * read(step); });
+    }
     for (std::size_t i = 0; i < q.size(); ++i) sum += q_cost_[i] * direction_.q[i];
-    for (const Bounded& b : bounded_)
-        for (int k = 0; k < b.box.count; ++k)
-            sum += b.box.step[k] * (barrier / (b.box.upper[k] - b.box.value[k]) -
-                                    barrier / (b.box.value[k] - b.box.lower[k]));
+    for (const Bounded& b : bounded_) sum += b.box.barrier_slope(barrier);
     return sum;
 }
 
@@ -66,9 +64,12 @@ bool InteriorPoint::accept(const Merit& trial, double alpha, double descent) {
 // Largest |δz| relative to 1 + |z|.
 double InteriorPoint::relative_step() const {
     double most = 0.0;
-    for (int r = 0; r < S_.v_rows(); ++r)
-        for (int k = 0; k < S_.count(r); ++k)
-            most = std::max(most, std::abs(direction_.v.row(r)[k]) / (1.0 + std::abs(z.row(r)[k])));
+    for (int r = 0; r < S_.v_rows(); ++r) {
+        const double *step = direction_.v.row(r), *at = z.row(r);
+        most = largest(S_.count(r), most, [=](auto read) SKYKNOT_LAMBDA {
+            return absolute(read(step)) / (1.0 + absolute(read(at)));
+        });
+    }
     for (std::size_t i = 0; i < q.size(); ++i)
         most = std::max(most, std::abs(direction_.q[i]) / (1.0 + std::abs(q[i])));
     return most;
@@ -103,7 +104,7 @@ bool InteriorPoint::line_search(double tau) {
         make_trial(alpha);
         alpha_ = alpha;
         const bool finite = evaluate(trial_z_, trial_q_.data(), true);
-        const Merit trial = finite ? merit(true) : Merit{INFINITY, INFINITY};
+        const Merit& trial = trial_merit_;
         if (finite && accept(trial, alpha, descent)) {
             if (augment_) filter_.add(now_.theta, now_.phi);
             return true;
@@ -135,7 +136,7 @@ bool InteriorPoint::second_order_correction(double tau, double descent) {
         alpha_ = longest_primal(tau);
         make_trial(alpha_);
         if (!evaluate(trial_z_, trial_q_.data(), true)) break;
-        const Merit trial = merit(true);
+        const Merit& trial = trial_merit_;
         if (accept(trial, alpha_first, descent)) {
             alpha_dual_ = 1.0;
             for (const Bounded& b : bounded_) alpha_dual_ = b.box.longest_dual(tau, alpha_dual_);

@@ -8,14 +8,15 @@
 namespace skyknot::inline SKYKNOT_ISA {
 
 // Code: a run is [kind | terms << 4, length] followed by `length` instructions of that shape, each
-// [result, start (when it has one), pairs of factors …]. Slots are offsets in doubles.
+// [result, start (when it has one), pairs of factors …], or [slot, buffer, offset low, offset high].
+// Slots are offsets in doubles.
 namespace {
 
-constexpr std::uint32_t none = UINT32_MAX;
+constexpr std::uint32_t none = UINT32_MAX, longest_run = UINT16_MAX;
 
-template <bool subtract, bool start, std::uint32_t count>
-[[gnu::always_inline]] inline const std::uint32_t* dots(const std::uint32_t* at, std::uint32_t length,
-                                                        double* w, std::uint32_t terms) {
+template <bool subtract, bool start, std::uint32_t count, class Code>
+[[gnu::always_inline]] inline const Code* dots(const Code* at, std::uint32_t length, double* w,
+                                               std::uint32_t terms) {
     const std::uint32_t n = count == 0 ? terms : count;
     for (std::uint32_t i = 0; i < length; ++i) {
         double* const result = w + *at++;
@@ -30,9 +31,13 @@ template <bool subtract, bool start, std::uint32_t count>
     return at;
 }
 
-template <bool subtract, bool start>
-inline const std::uint32_t* run_dots(const std::uint32_t* at, std::uint32_t length, double* w,
-                                     std::uint32_t terms) {
+template <class Code>
+[[gnu::always_inline]] inline std::ptrdiff_t offset_at(const Code* at) {
+    return static_cast<std::ptrdiff_t>(std::uint32_t{at[0]} | std::uint32_t{at[1]} << 16);
+}
+
+template <bool subtract, bool start, class Code>
+inline const Code* run_dots(const Code* at, std::uint32_t length, double* w, std::uint32_t terms) {
     switch (terms) {
         case 1: return dots<subtract, start, 1>(at, length, w, terms);
         case 2: return dots<subtract, start, 2>(at, length, w, terms);
@@ -55,15 +60,22 @@ inline const std::uint32_t* run_dots(const std::uint32_t* at, std::uint32_t leng
 void MicroProgram::run(const double* const* sources, double* const* targets, const double* scalars,
                        std::ptrdiff_t first, double* w) const {
     for (const auto& [slot, value] : constants_) store8(w + slot, broadcast8(value));
-    const std::uint32_t* at = code_.data();
-    const std::uint32_t* const end = at + code_.size();
+    if (wide_.empty())
+        run(narrow_.data(), narrow_.data() + narrow_.size(), sources, targets, scalars, first, w);
+    else run(wide_.data(), wide_.data() + wide_.size(), sources, targets, scalars, first, w);
+}
+
+template <class Code>
+void MicroProgram::run(const Code* at, const Code* end, const double* const* sources,
+                       double* const* targets, const double* scalars, std::ptrdiff_t first,
+                       double* w) const {
     while (at != end) {
         const std::uint32_t head = at[0], length = at[1], terms = head >> 4;
         at += 2;
         switch (static_cast<Builder::Kind>(head & 15u)) {
             case Builder::load:
-                for (std::uint32_t i = 0; i < length; ++i, at += 3)
-                    store8(w + at[0], load8(sources[at[1]] + at[2] + first));
+                for (std::uint32_t i = 0; i < length; ++i, at += 4)
+                    store8(w + at[0], load8(sources[at[1]] + offset_at(at + 2) + first));
                 break;
             case Builder::scalar_load:
                 for (std::uint32_t i = 0; i < length; ++i, at += 2)
@@ -80,8 +92,8 @@ void MicroProgram::run(const double* const* sources, double* const* targets, con
                     store8(w + at[0], 1.0 / load8(w + at[1]));
                 break;
             case Builder::store:
-                for (std::uint32_t i = 0; i < length; ++i, at += 3)
-                    store8(targets[at[1]] + at[2] + first, load8(w + at[0]));
+                for (std::uint32_t i = 0; i < length; ++i, at += 4)
+                    store8(targets[at[1]] + offset_at(at + 2) + first, load8(w + at[0]));
         }
     }
 }
@@ -133,7 +145,10 @@ Value Builder::dot(const std::vector<Term>& terms, Value start, bool subtract) {
         if (a == one_) return {b};
         if (b == one_) return {a};
     }
-    return record(std::move(step));
+    std::vector<std::int32_t> key{static_cast<std::int32_t>(step.kind), start.id};
+    for (const auto& [a, b] : step.terms) key.insert(key.end(), {a, b});
+    const auto [found, fresh] = dots_.emplace(std::move(key), values_);
+    return fresh ? record(std::move(step)) : Value{found->second};
 }
 
 Value Builder::reciprocal(Value a) {
@@ -144,6 +159,14 @@ Value Builder::reciprocal(Value a) {
 void Builder::output(std::uint32_t target, std::size_t offset, Value value) {
     if (value.is_zero()) return;
     steps_.push_back({store, -1, value.id, target, static_cast<std::uint32_t>(offset), {}});
+}
+
+std::uint32_t Builder::place(Value value) {
+    if (value.is_zero()) return 0;
+    const auto next = static_cast<std::uint32_t>(placed_.size() + 1);
+    const auto [found, fresh] = places_.emplace(value.id, next);
+    if (fresh) placed_.push_back(value.id);
+    return found->second;
 }
 
 // Steps that something needs, in runs of one shape: always the shape with most steps ready.
@@ -162,6 +185,9 @@ std::vector<std::size_t> Builder::scheduled() const {
         for (const auto& [a, b] : steps_[i].terms) see(a), see(b);
     };
     std::vector<char> needed(steps_.size(), 0);
+    for (const std::int32_t id : placed_)
+        if (const std::ptrdiff_t from = maker[static_cast<std::size_t>(id)]; from >= 0)
+            needed[static_cast<std::size_t>(from)] = 1;
     for (std::size_t i = steps_.size(); i-- > 0;)
         if (steps_[i].kind == store || needed[i]) {
             needed[i] = 1;
@@ -196,7 +222,17 @@ std::vector<std::size_t> Builder::scheduled() const {
 }
 
 MicroProgram Builder::finish() {
-    const std::vector<std::size_t> order = scheduled();
+    MicroProgram program;
+    const std::vector<std::uint32_t> code = encode(scheduled(), program);
+    if (std::all_of(code.begin(), code.end(), [](std::uint32_t c) { return c <= UINT16_MAX; }))
+        for (const std::uint32_t c : code) program.narrow_.push_back(static_cast<std::uint16_t>(c));
+    else program.wide_ = code;
+    return program;
+}
+
+// Gives every value a slot, reusing those of values no longer needed, and writes the code.
+std::vector<std::uint32_t> Builder::encode(const std::vector<std::size_t>& order,
+                                           MicroProgram& program) {
     std::vector<std::size_t> last(static_cast<std::size_t>(values_), 0);
     const auto touch = [&](std::int32_t id, std::size_t place) {
         if (id >= 0) last[static_cast<std::size_t>(id)] = place;
@@ -205,38 +241,41 @@ MicroProgram Builder::finish() {
         touch(steps_[order[place]].start, place);
         for (const auto& [a, b] : steps_[order[place]].terms) touch(a, place), touch(b, place);
     }
-    MicroProgram program;
     std::vector<std::uint32_t> slot(static_cast<std::size_t>(values_), none), free_slots;
-    const auto take = [&] {
-        if (free_slots.empty()) return static_cast<std::uint32_t>(lane_count * program.slots_++);
-        const std::uint32_t reused = free_slots.back();
-        free_slots.pop_back();
-        return reused;
+    program.slots_ = placed_.size() + 1;
+    for (std::size_t i = 0; i < placed_.size(); ++i) {
+        slot[static_cast<std::size_t>(placed_[i])] = static_cast<std::uint32_t>(lane_count * (i + 1));
+        touch(placed_[i], order.size());
+    }
+    const auto take = [&](std::int32_t id) {
+        std::uint32_t& mine = slot[static_cast<std::size_t>(id)];
+        if (mine != none) return;
+        if (free_slots.empty()) mine = static_cast<std::uint32_t>(lane_count * program.slots_++);
+        else mine = free_slots.back(), free_slots.pop_back();
     };
     const auto of = [&](std::int32_t id) { return slot[static_cast<std::size_t>(id)]; };
     for (const auto& [id, value] : constants_) {
-        last[static_cast<std::size_t>(id)] = order.size();
-        slot[static_cast<std::size_t>(id)] = take();
+        touch(id, order.size());
+        take(id);
         program.constants_.emplace_back(of(id), value);
     }
-    std::vector<std::uint32_t>& code = program.code_;
+    std::vector<std::uint32_t> code;
     std::size_t run = 0;
     std::uint32_t shape = none;
     for (std::size_t place = 0; place < order.size(); ++place) {
         const Step& step = steps_[order[place]];
         const std::uint32_t head = static_cast<std::uint32_t>(step.kind) |
                                    static_cast<std::uint32_t>(step.terms.size()) << 4;
-        if (head != shape) {
+        if (head != shape || code[run] == longest_run) {
             shape = head;
             code.insert(code.end(), {head, 0});
             run = code.size() - 1;
         }
         ++code[run];
-        if (step.kind != store) slot[static_cast<std::size_t>(step.result)] = take();
-        if (step.kind == store) code.push_back(of(step.start));
-        else code.push_back(of(step.result));
+        if (step.kind != store) take(step.result);
+        code.push_back(of(step.kind == store ? step.start : step.result));
         if (step.kind == load || step.kind == store)
-            code.insert(code.end(), {step.buffer, step.offset});
+            code.insert(code.end(), {step.buffer, step.offset & 0xffffu, step.offset >> 16});
         else if (step.kind == scalar_load) code.push_back(step.buffer);
         else if (step.start >= 0) code.push_back(of(step.start));
         for (const auto& [a, b] : step.terms) code.insert(code.end(), {of(a), of(b)});
@@ -250,7 +289,7 @@ MicroProgram Builder::finish() {
         release(step.start);
         for (const auto& [a, b] : step.terms) release(a), release(b);
     }
-    return program;
+    return code;
 }
 
 }  // namespace skyknot::inline SKYKNOT_ISA

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -28,7 +29,9 @@ using Term = std::pair<Value, Value>;
 class MicroProgram {
 public:
     // Runs the instructions for segments first … first + 7. `sources[i]` and `targets[i]` are row
-    // buffers; an instruction adds its own row offset and `first`. `scalars` are broadcast.
+    // buffers; an instruction adds its own row offset and `first`. `scalars` are broadcast. Placed
+    // values stand at the front of the workspace, eight lanes each; its first eight are zeros and
+    // must be so before the first run.
     void run(const double* const* sources, double* const* targets, const double* scalars,
              std::ptrdiff_t first, double* workspace) const;
 
@@ -37,7 +40,12 @@ public:
 
 private:
     friend class Builder;
-    std::vector<std::uint32_t> code_;
+    template <class Code>
+    void run(const Code* at, const Code* end, const double* const* sources, double* const* targets,
+             const double* scalars, std::ptrdiff_t first, double* workspace) const;
+    // Half the bytes where sixteen bits are enough: the code streams past the first-level cache.
+    std::vector<std::uint16_t> narrow_;
+    std::vector<std::uint32_t> wide_;
     std::vector<std::pair<std::uint32_t, double>> constants_;
     std::size_t slots_ = 0, multiplications_ = 0;
 };
@@ -63,6 +71,9 @@ public:
     Value reciprocal(Value a);
     // Written at `offset` doubles (+ first) of target `target`.
     void output(std::uint32_t target, std::size_t offset, Value value);
+    // Kept at the front of the workspace until the next run: returns its place there, in groups of
+    // eight lanes; 0, where zeros stand, for a structural zero.
+    std::uint32_t place(Value value);
 
     Value one() { return constant(1.0); }
     bool is_one(Value v) const { return !v.is_zero() && v.id == one_; }
@@ -90,6 +101,7 @@ private:
     };
     Value record(Step step);
     Value read(std::uint32_t source, std::uint32_t offset);
+    std::vector<std::uint32_t> encode(const std::vector<std::size_t>& order, MicroProgram& program);
     std::vector<std::size_t> scheduled() const;
 
     std::size_t stride_;
@@ -97,6 +109,9 @@ private:
     std::vector<Step> steps_;
     std::vector<std::pair<std::int32_t, double>> constants_;
     std::unordered_map<std::uint64_t, std::int32_t> inputs_;
+    std::map<std::vector<std::int32_t>, std::int32_t> dots_;  // said once, computed once
+    std::vector<std::int32_t> placed_;                        // values, from place 1 on
+    std::unordered_map<std::int32_t, std::uint32_t> places_;
 };
 
 }  // namespace skyknot::inline SKYKNOT_ISA

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "vector8.hpp"
+#include "reductions.hpp"
 
 namespace skyknot::inline SKYKNOT_ISA {
 namespace {
@@ -16,12 +16,17 @@ void copy_direction(const Direction& from, Direction& to) {
     for (std::size_t g = 0; g < from.equality.size(); ++g) to.equality[g].copy(from.equality[g]);
 }
 
-double largest(const RowBuffer& rows, const Structure& S) {
+// Largest entry of a defect's rows.
+double largest_defect(const RowBuffer& rows, const Structure& S) {
     double most = 0.0;
-    for (int i = 0; i < rows.rows(); ++i) {
-        const double* row = rows.row(i);
-        for (int k = 0; k < S.N; ++k) most = std::max(most, std::abs(row[k]));
-    }
+    for (int i = 0; i < rows.rows(); ++i) most = largest_absolute(rows.row(i), S.N, most);
+    return most;
+}
+
+// Largest entry of the rows of unknowns.
+double largest_gradient(const RowBuffer& rows, const Structure& S) {
+    double most = 0.0;
+    for (int i = 0; i < rows.rows(); ++i) most = largest_absolute(rows.row(i), S.count(i), most);
     return most;
 }
 
@@ -57,8 +62,6 @@ Newton::Newton(Points& points, const Tape& terminal, bool elastic)
       program_workspace_(make_workspace(
           lane_count * std::max({elimination_.factor.slots(), elimination_.reduce.slots(),
                                  elimination_.expand.slots()}))),
-      block_(make_workspace(
-          lane_count * std::max(elimination_.matrix_entries, elimination_.vector_entries))),
       terminal_hessian_(at((S_.nx + S_.nq) * (S_.nx + S_.nq))) {
     for (int i = 0; i < S_.nq; ++i) border_.push_back(riccati_.right_side());
     for (int c = 0; c < S_.classes(); ++c) {
@@ -98,17 +101,15 @@ void Newton::right_side(const RowBuffer& g, const RowBuffer& d, Riccati::RightSi
     const double scalars[] = {regularisation, elastic_weight};
     for (int first = 0; first < S_.N; first += lane_count) {
         sources[source::segment] = segment_block(first);
-        double* const targets[] = {nullptr, block_.get() - first, nullptr, nullptr};
-        elimination_.reduce.run(sources, targets, scalars, first, program_workspace_.get());
+        double* const w = program_workspace_.get();
+        elimination_.reduce.run(sources, nullptr, scalars, first, w);
         const int filled = std::min(lane_count, S_.N - first);
-        double* stage = right.stages.get() + at(first) * layout.vector_size();
-        for (const auto& [entry, offset] : elimination_.vector_scatter)
+        Elimination::write(elimination_.vector_chunks, w,
+                           right.stages.get() + at(first) * layout.vector_size(),
+                           layout.vector_size(), filled);
+        for (std::size_t i = 0; i < elimination_.global_places.size(); ++i)
             for (int lane = 0; lane < filled; ++lane)
-                stage[at(lane) * layout.vector_size() + offset] =
-                    block_[std::size_t{entry} * lane_count + at(lane)];
-        for (std::size_t i = 0; i < elimination_.global_entries.size(); ++i)
-            for (int lane = 0; lane < filled; ++lane)
-                g_q[i] += block_[std::size_t{elimination_.global_entries[i]} * lane_count + at(lane)];
+                g_q[i] += w[std::size_t{elimination_.global_places[i]} * lane_count + at(lane)];
     }
     double* last = right.terminal.get();
     for (int i = 0; i < S_.nx; ++i) last[i] = g.row(S_.state_row(0, i))[S_.N];
@@ -180,7 +181,7 @@ void Newton::structured_solve(const RowBuffer& g, const double* g_q, const RowBu
     std::copy_n(step_q, at(nq), scalars.begin() + scalar::first_global);
     for (int first = 0; first < S_.N; first += lane_count) {
         sources[source::segment] = segment_block(first);
-        double* const targets[] = {nullptr, nullptr, step.origin(), lambda.origin()};
+        double* const targets[] = {nullptr, step.origin(), lambda.origin()};
         elimination_.expand.run(sources, targets, scalars.data(), first, program_workspace_.get());
     }
     clear_padding(lambda);
@@ -246,7 +247,7 @@ double Newton::residual(const RowBuffer& r, const double* r_q, const RowBuffer& 
     for (int i = 0; i < defect_.rows(); ++i)
         for (int k = 0; k < S_.N; ++k) defect_.row(i)[k] += d.row(i)[k];
 
-    double most = largest(defect_, S_);
+    double most = largest_defect(defect_, S_);
     for (const Group& group : groups)
         for (int i = 0; i < group.weight.rows(); ++i)
             for (int k = 0; k <= S_.N; ++k)
@@ -254,9 +255,7 @@ double Newton::residual(const RowBuffer& r, const double* r_q, const RowBuffer& 
                     most = std::max(most, std::abs(group.residual.row(i)[k] + group.linear.row(i)[k]));
     for (int i = 0; i < S_.nx; ++i)
         if (riccati_.fixed_first[at(i)]) gradient_.row(S_.state_row(0, i))[0] = 0.0;
-    for (int row = 0; row < S_.v_rows(); ++row)
-        for (int k = 0; k < S_.count(row); ++k)
-            most = std::max(most, std::abs(gradient_.row(row)[k]));
+    most = std::max(most, largest_gradient(gradient_, S_));
     for (double value : out_q) most = std::max(most, std::abs(value));
     return most;
 }
@@ -270,9 +269,7 @@ double Newton::solve(const RowBuffer& r, const double* r_q, const RowBuffer& d, 
     for (Group& group : groups) group.linear.clear();
     gradient_.copy(r), defect_.copy(d);
     std::copy_n(r_q, at(S_.nq), residual_q_.begin());
-    double scale = largest(d, S_);
-    for (int row = 0; row < S_.v_rows(); ++row)
-        for (int k = 0; k < S_.count(row); ++k) scale = std::max(scale, std::abs(r.row(row)[k]));
+    const double scale = std::max(largest_defect(d, S_), largest_gradient(r, S_));
     double left = 0.0, before = INFINITY;
     for (int pass = 0;; ++pass) {
         // equalities and pins as weighted rows of this pass
@@ -317,7 +314,7 @@ double Newton::solve(const RowBuffer& r, const double* r_q, const RowBuffer& d, 
             left = before;
             break;
         }
-        if (!(left > 1e-10 * scale) || pass >= refinements || left > 0.5 * before) break;
+        if (!(left > accuracy * scale) || pass >= refinements || left > 0.5 * before) break;
         before = left;
         copy_direction(out, kept_);
     }

@@ -41,6 +41,7 @@ void load_system(InteriorPoint& solver, const nb::dict& system) {
     newton.pins = solver.pins;
     newton.pin_weight = equality_weight;
     newton.regularisation = get<double>(system, "regularisation");
+    newton.accuracy = get<double>(system, "accuracy");
     newton.weight_v.clear();
     fill(newton.weight_v, get<Table>(system, "weight_v"));
     newton.weight_q = get<std::vector<double>>(system, "weight_q");

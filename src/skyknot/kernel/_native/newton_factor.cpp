@@ -57,18 +57,14 @@ bool Newton::factor() {
 bool Newton::factor_blocks(const std::vector<const double*>& sources) {
     const double scalars[] = {regularisation, elastic_weight};
     const StageLayout& layout = riccati_.layout();
-    const auto write = [&](const std::vector<Elimination::Scatter>& scatter, double* to,
-                           std::size_t size, int filled) {
-        for (const auto& [entry, offset] : scatter)
-            for (int lane = 0; lane < filled; ++lane)
-                to[at(lane) * size + offset] = block_[std::size_t{entry} * lane_count + at(lane)];
-    };
     for (int first = (S_.N - 1) / lane_count * lane_count; first >= 0; first -= lane_count) {
-        double* const targets[] = {segment_block(first), block_.get() - first, nullptr, nullptr};
-        elimination_.factor.run(sources.data(), targets, scalars, first, program_workspace_.get());
+        double* const targets[] = {segment_block(first), nullptr, nullptr};
+        double* const w = program_workspace_.get();
+        elimination_.factor.run(sources.data(), targets, scalars, first, w);
         const int filled = std::min(lane_count, S_.N - first);
-        write(elimination_.matrix_scatter, riccati_.stage(first), layout.size(), filled);
-        write(elimination_.hessian_scatter, riccati_.hessian(first), layout.hessian_size(), filled);
+        Elimination::write(elimination_.matrix_chunks, w, riccati_.stage(first), layout.size(), filled);
+        Elimination::write(elimination_.hessian_chunks, w, riccati_.hessian(first),
+                           layout.hessian_size(), filled);
         for (int k = first + filled - 1; k >= first; --k)
             if (!riccati_.factor_stage(k)) {
                 riccati_.failed_stage = k;

@@ -5,11 +5,20 @@
 #include <cstring>
 
 #include "small_matrix.hpp"
+#include "transpose.hpp"
 
 namespace skyknot::inline SKYKNOT_ISA {
 
 namespace {
 std::size_t size(int a, int b = 1) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); }
+
+// Writes the transpose of an eight by eight block; only its first `columns` columns exist.
+void mirror(const double* from, double* to, int stride, int columns) {
+    Vector8Block block;
+    for (int j = 0; j < 8; ++j) block.rows[j] = load_wide(from + j * stride);
+    block.transpose();
+    for (int j = 0; j < columns; ++j) store_wide(to + j * stride, block.rows[j]);
+}
 }  // namespace
 
 Riccati::Riccati(const Structure& structure, bool elastic)
@@ -63,12 +72,17 @@ bool Riccati::factor_stage(int k) {
         for (int r = from; r < wp; ++r) column[r] *= scale;
         for (int r = from; r < p; ++r) column[r] = 0.0;
     }
-    // P = C_ss − L_sv L_svᵀ
+    // P = C_ss − L_sv L_svᵀ: eight columns from their diagonal block down, mirrored to the right
     double* here = P(k);
-    for (int j = 0; j < ns; ++j)
-        std::memcpy(here + j * sp, H + layout_.H(vp, vp + j), size(sp) * sizeof(double));
-    multiply_add(A + vp, wp, M + vp * sp, 1, sp, here, sp, sp, nx, ns);
-    multiply_add(Lk + vp, wp, Lk + vp, wp, 1, here, sp, sp, nv, ns, -1.0);
+    for (int c = 0; c < sp; c += 8) {
+        const int count = std::min(8, ns - c), rows = sp - c;
+        double* corner = here + c * sp + c;
+        for (int j = 0; j < count; ++j)
+            std::memcpy(corner + j * sp, H + layout_.H(vp + c, vp + c + j), size(rows) * sizeof(double));
+        multiply_add(A + vp + c, wp, M + (vp + c) * sp, 1, sp, corner, sp, rows, nx, count);
+        multiply_add(Lk + vp + c, wp, Lk + vp + c, wp, 1, corner, sp, rows, nv, count, -1.0);
+        for (int r = 8; r < rows; r += 8) mirror(corner + r, corner + r * sp, sp, std::min(8, ns - c - r));
+    }
     return true;
 }
 
