@@ -2,7 +2,9 @@
 
 import json
 import re
+from base64 import b64encode
 from dataclasses import replace
+from hashlib import sha256
 from html.parser import HTMLParser
 
 import pytest
@@ -62,11 +64,32 @@ def test_the_page_is_sound_and_asks_for_nothing_from_outside(name):
     outline = outlined(html)
     assert outline.faults == []
     assert outline.open == []
-    assert "://" not in html
-    assert not [tag for tag, _ in outline.tags if tag in ("script", "link", "iframe", "object")]
+    assert "://" not in re.sub(r"<script>.*?</script>", "", html, flags=re.DOTALL)
+    assert not [tag for tag, _ in outline.tags if tag in ("link", "iframe", "object")]
     loads = [a for _, attrs in outline.tags for a in attrs if a in ("src", "srcset", "background")]
     assert loads == []
     assert len(html) < 6_000_000
+
+
+def test_only_the_scripts_named_by_their_hash_may_run(page):
+    (policy,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', page)
+    scripts = re.findall(r"<script>(.*?)</script>", page, flags=re.DOTALL)
+    digests = [b64encode(sha256(script.encode()).digest()).decode() for script in scripts]
+    assert len(scripts) == 2
+    assert policy.startswith("default-src 'none'; ")
+    assert policy.endswith("; script-src " + " ".join(f"'sha256-{d}'" for d in digests))
+
+
+def test_a_page_without_a_flight_has_no_script(page):
+    assert "<script" in page
+    html = report_page(rail(), None)
+    assert "<script" not in html
+    assert "script-src" not in html
+
+
+def test_the_licence_of_three_js_travels_with_the_page(page):
+    assert "three.js authors" in page
+    assert "The above copyright notice and this permission notice" in page
 
 
 def test_names_inside_pictures_are_unique_on_the_page(page):

@@ -118,7 +118,7 @@ def _fill(
     if certificate is not None:
         _write_json(part / "certificate.json", certificate.as_dict())
     if outputs.report:
-        write_report(solution, part, certificate, mission.title, mission.guess)
+        write_report(solution, part, certificate, mission.title, mission.guess, mission.file.wind)
     if outputs.figures:
         save_figures(solution, part / "figures", mission.guess)
     _write_json(part / RUN_FILE, run_facts(mission, solution))

@@ -58,7 +58,11 @@ class Illustration:
 
 def kinds_of(solution: Solution) -> tuple[str, ...]:
     """Return the kinds of figures that make sense for a solution."""
-    reading = Reading(solution)
+    return kinds_read(Reading(solution))
+
+
+def kinds_read(reading: Reading) -> tuple[str, ...]:
+    """Return the kinds of figures that make sense for a solution as it is read."""
     return tuple(name for name, kind in KINDS.items() if kind.applies(reading))
 
 
@@ -81,14 +85,18 @@ def draw(solution: Solution, kind: str = "overview", guess: Trajectory | None = 
 
 def illustrate(solution: Solution, kind: str, guess: Trajectory | None = None) -> Illustration:
     """Return a figure of one kind with title and caption; raises as ``draw``."""
-    reading = Reading(solution, guess)
+    return illustrated(Reading(solution, guess), kind)
+
+
+def illustrated(reading: Reading, kind: str) -> Illustration:
+    """Return a figure of one kind of a solution as it is read; raises as ``draw``."""
     chosen = KINDS.get(kind)
     if chosen is None or not chosen.applies(reading):
         raise UserError(
             "There is no such figure of this solution.",
             where="kind",
             found=repr(kind),
-            expected=", ".join(kinds_of(solution)),
+            expected=", ".join(kinds_read(reading)),
             do="Choose one of the kinds above; some need a vehicle or the problem itself.",
         )
     with styled():

@@ -15,7 +15,6 @@ from skyknot.report import style
 from skyknot.report.camera import east_north_up
 from skyknot.report.scene import Scene
 from skyknot.report.solids import Solid
-from skyknot.report.stage import Stage
 
 Array = NDArray[np.float64]
 
@@ -89,7 +88,8 @@ def _draw_storeys(axes: Any, scene: Scene, solid: Solid) -> None:
 
 def draw_sheets(axes: Any, scene: Scene) -> bool:
     """Draw altitude bands and half-spaces as sheets; return whether any lies on the stage."""
-    sheets = [sheet for _, shape in scene.shapes for sheet in _sheets(scene.stage, shape)]
+    low, high = scene.stage.low, scene.stage.high
+    sheets = [sheet for _, shape in scene.shapes for sheet in plane_cuts(low, high, shape)]
     for sheet in sheets:
         outline = _hull(scene.stage.camera.project(sheet))
         axes.add_patch(Polygon(outline, facecolor=style.SKY, alpha=0.07, linewidth=0))
@@ -100,23 +100,21 @@ def draw_sheets(axes: Any, scene: Scene) -> bool:
     return bool(sheets)
 
 
-def _sheets(stage: Stage, shape: Any) -> list[Array]:
-    """Return corners (k, 3) of the planes of a band or half-space, cut to the stage."""
+def plane_cuts(low: Array, high: Array, shape: Any) -> list[Array]:
+    """Return corners (k, 3) of the planes of a band or half-space, cut to the stage low … high."""
     sizes = shape.sizes
     planes: list[tuple[Array, float]] = []
     if shape.kind == "band":
         planes = [(np.array([0.0, 0.0, 1.0]), sizes[end]) for end in ("lowest", "highest")]
     elif shape.kind == "half-space":
         planes = [(east_north_up(np.array(sizes["normal"])), sizes["offset"])]
-    cuts = [_cut(stage, normal, offset) for normal, offset in planes]
-    return [cut for cut in cuts if len(cut) > 2 and np.max(cut[:, 2]) > stage.floor]
+    cuts = [_cut(low, high, normal, offset) for normal, offset in planes]
+    return [cut for cut in cuts if len(cut) > 2 and np.max(cut[:, 2]) > low[2]]
 
 
-def _cut(stage: Stage, normal: Array, offset: float) -> Array:
+def _cut(low: Array, high: Array, normal: Array, offset: float) -> Array:
     """Return (k, 3) where the plane n·P = offset crosses the edges of the stage."""
-    corners = np.array(
-        [[e, n, u] for e, n, u in product(*np.stack([stage.low, stage.high], axis=1))]
-    )
+    corners = np.array([[e, n, u] for e, n, u in product(*np.stack([low, high], axis=1))])
     found = []
     for a, b in combinations(corners, 2):
         if np.count_nonzero(a != b) != 1:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
 
-from skyknot.report.figures import illustrate, kinds_of, write_bytes
+from skyknot.report.figures import illustrated, kinds_read, write_bytes
 from skyknot.report.problem_card import (
     Rows,
     headline_facts,
@@ -16,6 +17,7 @@ from skyknot.report.problem_card import (
     solution_rows,
 )
 from skyknot.report.reading import Reading
+from skyknot.report.replay import replay_element, script_elements, script_hashes
 from skyknot.report.vector_image import inline_svg
 from skyknot.solution import Solution
 from skyknot.trajectory import Trajectory
@@ -23,7 +25,10 @@ from skyknot.trajectory import Trajectory
 FILE_NAME = "report.html"
 
 LOCKED = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
-"""What the page may load: nothing from anywhere."""
+"""What the page may load: nothing from anywhere. Scripts are named by their hash, one by one."""
+
+STYLES = (Path(__file__).with_name("page.css"), Path(__file__).parent / "web" / "replay.css")
+"""The page's style sheets."""
 
 WIDE = ("path", "overview")
 """Figures that take the page's whole width."""
@@ -35,6 +40,7 @@ def write_report(
     certificate: Any = None,
     title: str | None = None,
     guess: Trajectory | None = None,
+    wind: Sequence[float] | None = None,
 ) -> Path:
     """Write the report and return its path.
 
@@ -45,6 +51,7 @@ def write_report(
     certificate : of this solution; made here when None and the solution carries its problem
     title : heading; the problem's name when None
     guess : where the search started, for the figure "before and after"
+    wind : north, east, down, m/s, for the replay
 
     Raises
     ------
@@ -56,7 +63,7 @@ def write_report(
         target = target / FILE_NAME
     if certificate is None and solution.problem is not None:
         certificate = solution.verify()
-    write_bytes(target, report_page(solution, certificate, title, guess).encode())
+    write_bytes(target, report_page(solution, certificate, title, guess, wind).encode())
     return target
 
 
@@ -65,6 +72,7 @@ def report_page(
     certificate: Any = None,
     title: str | None = None,
     guess: Trajectory | None = None,
+    wind: Sequence[float] | None = None,
 ) -> str:
     """Return the report as HTML; parameters as for ``write_report``."""
     reading = Reading(solution, guess)
@@ -74,17 +82,21 @@ def report_page(
         _section("The problem", _card(problem_rows(reading))) if solution.problem else "",
         _section("The solution", _card(solution_rows(reading))),
         _section("The certificate", _checks(certificate)) if certificate is not None else "",
-        _section("Figures", _figures(solution, guess)),
+        _section("The flight", replay_element([reading], wind)) if reading.flies else "",
+        _section("Figures", _figures(reading)),
         _section("How to reproduce", _reproduce(solution)),
     ]
-    css = Path(__file__).with_name("page.css").read_text(encoding="utf-8")
+    css = "".join(path.read_text(encoding="utf-8") for path in STYLES)
     body = "\n".join(section for section in sections if section)
+    policy, scripts = LOCKED, ""
+    if reading.flies:
+        policy, scripts = f"{LOCKED}; script-src {script_hashes()}", script_elements()
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f'<meta http-equiv="Content-Security-Policy" content="{LOCKED}">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
         f"<title>{escape(heading)} · skyknot report</title>\n<style>\n{css}</style>\n</head>\n"
-        f"<body>\n<main>\n{body}\n</main>\n</body>\n</html>\n"
+        f"<body>\n<main>\n{body}\n</main>\n{scripts}</body>\n</html>\n"
     )
 
 
@@ -155,12 +167,12 @@ def margin(load: float) -> str:
     return "not finite" if load == float("inf") else f"{load:.3g} times the limit"
 
 
-def _figures(solution: Solution, guess: Trajectory | None) -> str:
+def _figures(reading: Reading) -> str:
     parts = []
-    for kind in kinds_of(solution):
+    for kind in kinds_read(reading):
         if kind == "overview":
             continue
-        picture = illustrate(solution, kind, guess)
+        picture = illustrated(reading, kind)
         wide = ' class="wide"' if kind in WIDE else ""
         parts.append(
             f"<figure{wide}>\n<h3>{escape(picture.title)}</h3>\n{inline_svg(picture)}\n"

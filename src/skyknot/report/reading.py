@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from skyknot.report.reflight import refly
 from skyknot.solution import Solution
 from skyknot.trajectory import Trajectory
 
@@ -109,6 +110,13 @@ class Reading:
     def controls(self) -> Array:
         """(M, nu) controls at the dense times."""
         return self.trajectory.control(self.times)
+
+    @cached_property
+    def flown(self) -> Array | None:
+        """(M, nx) states of the controls flown open loop, NaN once lost; None without equations."""
+        if self.problem is None:
+            return None
+        return refly(self.problem, self.solution.record.parameters, self.trajectory, self.times)
 
     def has(self, *names: str) -> bool:
         """Whether all these states exist."""

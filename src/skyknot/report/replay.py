@@ -1,0 +1,91 @@
+"""The replay on a page: its frame of controls, its data, and the scripts that move it.
+
+The scripts stand in ``web/``: ``three.bundle.js`` (built once from three.js, see
+``web/make_three_bundle.sh``) and the replay's own, shipped as they are written.
+"""
+
+from __future__ import annotations
+
+import json
+from base64 import b64encode
+from collections.abc import Sequence
+from functools import cache
+from hashlib import sha256
+from html import escape
+from pathlib import Path
+
+from skyknot.report.reading import Reading
+from skyknot.report.replay_data import replay_data
+
+WEB = Path(__file__).with_name("web")
+
+OWN = ("palette", "surroundings", "craft_model", "viewpoint", "replay")
+"""The replay's own scripts, in the order in which they need one another."""
+
+WITHOUT_WEBGL = (
+    "The flight cannot be shown in motion, because this browser offers no WebGL 2."
+    " The picture of the path, among the figures, shows the same scene."
+)
+WITHOUT_SCRIPTS = (
+    "The flight cannot be shown in motion, because scripts are switched off."
+    " The picture of the path, among the figures, shows the same scene."
+)
+
+CAPTIONS = {
+    "flown": "What moves is the independent re-simulation: the controls flown open loop. Thin: the"
+    " plan.",
+    "lost": "What moves is the independent re-simulation, the controls flown open loop; it ends"
+    " where that flight is lost. Thin: the plan.",
+    "plan": "What moves is the plan, by the scheme's own interpolant: the equations to fly it again"
+    " are not at hand.",
+}
+"""What is said of the flight shown, by its source."""
+
+
+@cache
+def scripts() -> tuple[str, str]:
+    """Return the two scripts of the replay: three.js, and its own."""
+    own = "\n".join((WEB / f"{name}.js").read_text(encoding="utf-8") for name in OWN)
+    three = (WEB / "three.bundle.js").read_text(encoding="utf-8")
+    return three, f'(() => {{\n"use strict";\n{own}}})();\n'
+
+
+def script_hashes() -> str:
+    """Return the scripts' hashes, as a content security policy names what may run."""
+    digests = (b64encode(sha256(script.encode()).digest()).decode() for script in scripts())
+    return " ".join(f"'sha256-{digest}'" for digest in digests)
+
+
+def script_elements() -> str:
+    """Return the script elements, to stand at the end of a page."""
+    return "\n".join(f"<script>{script}</script>" for script in scripts())
+
+
+def replay_element(readings: Sequence[Reading], wind: Sequence[float] | None = None) -> str:
+    """Return the replay of one or several flights as HTML, without the scripts.
+
+    Parameters
+    ----------
+    readings : flights with positions of a vehicle, at least one
+    wind : north, east, down, m/s
+    """
+    data = replay_data(readings, wind)
+    # In a script element only "<" can end the data.
+    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
+    names = ", ".join(str(vehicle["name"]) for vehicle in data["vehicles"])
+    frame = (WEB / "replay_frame.html").read_text(encoding="utf-8")
+    return (
+        frame.replace("{names}", escape(names, quote=True))
+        .replace("{thrust_max}", _short(data["vehicles"][0]["thrustMax"]))
+        .replace("{fastest}", _short(max(data["vehicles"][0]["speeds"])))
+        .replace("{colors}", ", ".join(data["colors"]))
+        .replace("{without_webgl}", WITHOUT_WEBGL)
+        .replace("{without_scripts}", WITHOUT_SCRIPTS)
+        .replace("{caption}", CAPTIONS[data["vehicles"][0]["source"]])
+        .replace("{data}", text)
+    )
+
+
+def _short(value: float) -> str:
+    """Return a number in three digits, never as a power of ten."""
+    return f"{value:.0f}" if value >= 100 else f"{value:.3g}"
