@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
 from pymavlink.dialects.v20 import common
 
 HOME = (37.2296, -80.4139, 634.0)
@@ -104,9 +106,40 @@ def read_mavlink(path: Path) -> Read:
     return Read("ned", "\n".join(texts.values()), times, **rest)
 
 
+def read_ros2(path: Path) -> Read:
+    """Read by Foxglove's mcap and its decoder of ROS 2 messages, which know nothing of rosbags."""
+    with path.open("rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        found = {
+            channel.topic: (schema.name, message)
+            for schema, channel, _, message in reader.iter_decoded_messages()
+        }
+    kind, trajectory = found["/command/trajectory"]
+    assert kind == "trajectory_msgs/msg/MultiDOFJointTrajectory"
+    assert (trajectory.header.frame_id, list(trajectory.joint_names)) == ("map", ["base_link"])
+    points = trajectory.points
+
+    def vectors(pick):
+        return np.array([[v.x, v.y, v.z] for v in map(pick, points)])
+
+    turns = [p.transforms[0].rotation for p in points]
+    times = [p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in points]
+    return Read(
+        frame="enu",
+        text=found["/skyknot/about"][1].data,
+        times=np.array(times),
+        position=vectors(lambda p: p.transforms[0].translation),
+        velocity=vectors(lambda p: p.velocities[0].linear),
+        acceleration=vectors(lambda p: p.accelerations[0].linear),
+        quaternions=np.array([[q.w, q.x, q.y, q.z] for q in turns]),
+        world_rates=vectors(lambda p: p.velocities[0].angular),
+    )
+
+
 READERS = {
     "csv": read_csv,
     "mavlink-position": read_mavlink,
     "mavlink-attitude": read_mavlink,
+    "ros2": read_ros2,
 }
 """A reader for every format."""

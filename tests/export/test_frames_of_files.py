@@ -19,6 +19,7 @@ ACCURACY = {
     "csv": EXACT,
     "mavlink-position": {"position": 2e-6, "velocity": 1e-6, "yaw": 2e-7},
     "mavlink-attitude": {"attitude": 2e-7, "rates": 1e-7},
+    "ros2": {"position": 1e-8, "velocity": 1e-8, "attitude": 1e-8, "rates": 1e-8},
 }
 """What each format promises: m, m/s, rad, rad/s."""
 
