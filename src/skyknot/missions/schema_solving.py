@@ -99,6 +99,21 @@ class Verification(Section):
     optimality: Positive | None = Field(
         default=None, description="miss of the optimality conditions of the program solved [share]"
     )
+    costate: Positive | None = Field(
+        default=None, description="miss of the costate's equation over a segment [share]"
+    )
+    hamiltonian: Positive | None = Field(
+        default=None, description="mean deviation of the Hamiltonian from its constant [share]"
+    )
+    minimum: Positive | None = Field(
+        default=None, description="cost of controls that do not minimise the Hamiltonian [share]"
+    )
+    curvature: Positive | None = Field(
+        default=None, description="negative curvature of the program on its constraints [share]"
+    )
+    closed_loop: Positive | None = Field(
+        default=None, description="miss of the end when flown with feedback [share]"
+    )
 
 
 class Outputs(Section):

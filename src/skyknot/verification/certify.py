@@ -6,7 +6,16 @@ from collections.abc import Callable, Mapping
 
 from skyknot.problem.problem import Problem
 from skyknot.trajectory import Trajectory
-from skyknot.verification import ends, flight, motion, optimality, rate_limits, room
+from skyknot.verification import (
+    costates,
+    ends,
+    flight,
+    hamiltonian,
+    motion,
+    optimality,
+    rate_limits,
+    room,
+)
 from skyknot.verification.base import Check
 from skyknot.verification.certificate import Certificate
 from skyknot.verification.evidence import Evidence
@@ -32,6 +41,11 @@ CHECKS: tuple[Callable[[Evidence, Limits], Check | None], ...] = (
     optimality.stationarity,
     optimality.signs,
     optimality.complementarity,
+    costates.costates,
+    costates.costate_equation,
+    costates.transversality,
+    hamiltonian.constancy,
+    hamiltonian.minimum,
 )
 """All checks in the order of the table: what was asked, equations, between the nodes, flown."""
 

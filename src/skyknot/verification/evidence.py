@@ -16,6 +16,7 @@ from skyknot.errors import UserError
 from skyknot.problem.problem import Problem
 from skyknot.trajectory import SegmentData, Trajectory
 from skyknot.verification import polynomials
+from skyknot.verification.adjoint import Adjoint
 from skyknot.verification.equations import Equations
 from skyknot.verification.finite_program import FiniteProgram
 from skyknot.verification.integration import fly
@@ -97,6 +98,13 @@ class Evidence:
         return FiniteProgram(
             self.problem, self.trajectory, self.segments, self.parameters, self.witness
         )
+
+    @cached_property
+    def adjoint(self) -> Adjoint | None:
+        """The costates claimed; None without a witness or without costates."""
+        if self.program is None or self.program.witness.costates is None:
+            return None
+        return Adjoint(self.program, self.program.witness.costates)
 
     @cached_property
     def density(self) -> int:

@@ -65,12 +65,27 @@ class Lagrangian:
         self._first = ca.Function("first", inputs, ca.cse(first))
         self._second_inputs, self._second_outputs = inputs, second
         self._second: ca.Function | None = None
+        self._compile_controls(cost, rates, inputs[:6])
         timed = [ca.depends_on(ca.SX(e), self._tau) for e in (cost, rates, rows[: len(p.path)])]
         self.autonomous = not any(timed)
         z = ca.vertcat(x, self._q)
         M = ca.SX(p.terminal_cost_of(x, self._p, self._T))
         hessian, gradient = ca.hessian(M, z)
         self._end = ca.Function("end", [x, self._q], [M, ca.densify(gradient), ca.densify(hessian)])
+
+    def _compile_controls(self, cost: ca.SX, rates: ca.SX, inputs: list[ca.SX]) -> None:
+        H = inputs[4] * cost + ca.dot(inputs[5], rates)
+        R, b = ca.hessian(H, self._u)
+        self.quadratic_in_controls = not ca.depends_on(R, self._u)
+        self._controls = ca.Function("controls", inputs, ca.cse([ca.densify(b), ca.densify(R)]))
+
+    def control_form(
+        self, X: Array, U: Array, tau: Array, w: Array, p: Array
+    ) -> tuple[Array, Array]:
+        """Return ∂H/∂u (P, nu) and ∂²H/∂u² (P, nu, nu) of H = wℓ + pᵀf at P points."""
+        P, n = U.shape
+        b, R = self._at(self._controls, X, U, tau, w, p)
+        return b.T, R.reshape(n, P, n).transpose(1, 0, 2)
 
     def first(
         self, X: Array, U: Array, tau: Array, w: Array, nu: Array, mu: Array
@@ -104,6 +119,6 @@ class Lagrangian:
     ) -> list[Array]:
         P = len(X)
         q = np.repeat(self.q[:, None], P, axis=1)
-        w, nu, mu = more
-        found = function.map(P)(X.T, U.T, q, tau[None, :], w[None, :], nu.T, mu.T)
+        columns = [each.T if each.ndim == 2 else each[None, :] for each in more]
+        found = function.map(P)(X.T, U.T, q, tau[None, :], *columns)
         return [np.asarray(each.full(), dtype=float) for each in found]

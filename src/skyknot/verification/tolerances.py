@@ -33,6 +33,20 @@ class Limits:
         the largest of 1 and the terms they sum, products of multipliers and distances relative to
         the largest of 1 and the objective. Ten times the tolerance that solvers are asked for by
         default: they measure in units of their own.
+    costate : change of a costate over one segment against its equation, relative to its largest
+        value. The finite program's multipliers follow the continuous costate only as closely as
+        the mesh does, worst where a control switches inside a segment; one twentieth in one
+        segment is what a mesh leaves whose flight passes.
+    hamiltonian : mean deviation of the Hamiltonian from its constant, relative to the largest sum
+        of its terms. Limited by the mesh as the costates are; more than two per cent and the
+        answer is no extremal of the continuous problem.
+    minimum : what the controls cost above the pointwise least Hamiltonian, integrated, relative to
+        the largest of 1 and the objective: to first order, the part of the cost that better
+        controls could save.
+    curvature : negative curvature of the Lagrangian along directions that keep the constraints,
+        relative to the largest curvature of the same controls: below it rounding decides.
+    closed_loop : share of its size by which a state may miss its end when flown with the
+        solution's own feedback, from the exact and from perturbed starts. As for ``arrival``.
     arrival : share of its size by which a state may miss its end when flown open loop: the upper
         end of the "1–2 %" of section 5.4 of the source report.
 
@@ -50,6 +64,11 @@ class Limits:
     flight_rms: float = 0.02
     arrival: float = 0.02
     optimality: float = 1e-5
+    costate: float = 0.05
+    hamiltonian: float = 0.02
+    minimum: float = 0.01
+    curvature: float = 1e-6
+    closed_loop: float = 0.02
 
     def __post_init__(self) -> None:
         for name in self.__dataclass_fields__:
