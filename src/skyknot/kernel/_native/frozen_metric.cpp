@@ -31,6 +31,8 @@ FrozenMetric::FrozenMetric(InteriorPoint& held, const Tape& value, const Tape& f
         rates_.emplace_back(S_, S_.nx);
     }
     held_.newton.terminal_tape().prepare<8>(terminal_workspace_.get());
+    // steps of a gradient projection are not corrected by later ones as Newton's are
+    held_.newton.accuracy = 1e-10;
 }
 
 void FrozenMetric::reload() {
