@@ -131,7 +131,7 @@ def test_a_regulator_is_solved_in_one_step():
 def test_the_history_has_a_record_an_iteration(structured):
     history = structured.history
     assert history[:, 0].tolist() == list(range(structured.iterations + 1))
-    assert history[-1, 1] == structured.objective
+    assert history[-1, 1] == pytest.approx(structured.objective, rel=1e-12)
     assert history[-1, 2] == pytest.approx(structured.max_defect, rel=1e-6)
     assert history[-1, 3] == pytest.approx(structured.kkt_residual, rel=1e-6)
     assert np.all(history[1:, 5] > 0)

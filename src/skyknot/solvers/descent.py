@@ -65,6 +65,10 @@ class Errors:
         """The larger of defects and violation of bounds."""
         return max(self.defect, self.outside)
 
+    def measure(self, tolerance: float, optimality: float) -> float:
+        """Return the largest error in tolerances; not above 1 at a solution."""
+        return max(self.primal / tolerance, self.optimality / optimality)
+
 
 class Form(Protocol):
     """One form of the projected gradient; see the module's numbered duties.
@@ -100,8 +104,8 @@ class Form(Protocol):
     def gradient(self, at: Iterate) -> Array:
         """Return the gradient of line 4, (n,) in scaled unknowns."""
 
-    def advance(self, at: Iterate, gradient: Array, alpha: float) -> Move | None:
-        """Return the move of lines 5–7."""
+    def advance(self, at: Iterate, gradient: Array, found: Errors, alpha: float) -> Move | None:
+        """Return the move of lines 5–7 from an iterate, given the errors found there."""
 
     def metric_times(self, step: Array) -> Array:
         """Return M s."""
@@ -115,11 +119,10 @@ class Form(Protocol):
 
 def errors(metric: Metric, at: Iterate, gradient: Array) -> Errors:
     """Return the errors that Algorithm 1 is judged by."""
-    outside = np.maximum(metric.lower - at.w, at.w - metric.upper)
-    outside = np.where(metric.here, np.maximum(outside, 0.0), 0.0)
+    outside = np.maximum(metric.lower - at.w, at.w - metric.upper)  # 0 where there is no unknown
     return Errors(
         defect=largest(at.point.defects * metric.defect_scale),
-        outside=largest(outside * metric.scale),
+        outside=max(0.0, float(np.max(outside * metric.scale))),
         optimality=largest(projected(metric, at.w, gradient) / metric.scale),
     )
 
@@ -128,7 +131,7 @@ def projected(metric: Metric, w: Array, gradient: Array) -> Array:
     """Return the gradient without what bounds hold: fixed unknowns, outward pulls at bounds."""
     inward = np.where(w <= metric.lower, np.minimum(gradient, 0.0), gradient)
     inward = np.where(w >= metric.upper, np.maximum(inward, 0.0), inward)
-    return np.where(metric.here & ~metric.fixed, inward, 0.0)
+    return np.where(metric.moving, inward, 0.0)
 
 
 def largest(values: Array) -> float:

@@ -49,7 +49,7 @@ class Metric:
     Attributes
     ----------
     lower, upper, scale, start : (n,) bounds, S and start
-    here : (n,) what is an unknown, fixed : (n,) what cannot move, controls : (n,)
+    here : (n,) what is an unknown, fixed : (n,) what cannot move, moving : (n,), controls : (n,)
     defect_scale : (D, 1) unscaled defect = scaled × this
     work : counts of evaluations, gradients, solves, factorisations and linearisations
     """
@@ -69,6 +69,7 @@ class Metric:
         self.lower, self.upper = self.scaled(program.lower), self.scaled(program.upper)
         self.start = np.clip(self.scaled(program.start), self.lower, self.upper)
         self.fixed = self.lower == self.upper
+        self.moving = self.here & ~self.fixed
         control = np.zeros(layout.size, dtype=bool)
         control[layout.controls_at(layout.control)] = True
         self.controls = self.here & control[self._place]

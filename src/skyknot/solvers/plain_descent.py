@@ -19,7 +19,7 @@ from collections import deque
 
 import numpy as np
 
-from skyknot.solvers.descent import Iterate, Move, largest, projected
+from skyknot.solvers.descent import Errors, Iterate, Move, largest
 from skyknot.solvers.metric import Array, Metric
 from skyknot.solvers.step_size import dot
 from skyknot.status import Status
@@ -77,7 +77,7 @@ class PrintedDescent:
         change = ahead - self.metric.differentiate(at.w).gradient
         return change / _DIFFERENCE / self._D
 
-    def advance(self, at: Iterate, gradient: Array, alpha: float) -> Move | None:
+    def advance(self, at: Iterate, gradient: Array, found: Errors, alpha: float) -> Move | None:  # noqa: ARG002
         """Return the move of lines 5 and 6; None when nothing moves or all of it diverges."""
         metric = self.metric
         w = at.w - alpha * gradient / self._D
@@ -107,7 +107,7 @@ class MultiplierDescent:
         self.why, self.why_status = "", Status.STALLED
         self._multipliers, self._penalty = multipliers, 10.0
         self._tolerances = tolerance, optimality_tolerance
-        self._inner_tolerance, self._inner, self._last_norm = 1.0, 0, np.inf
+        self._inner_tolerance, self._inner, self._last_defect = 1.0, 0, np.inf
         self._values: deque[float] = deque(maxlen=_MEMORY)
         self._start = self._iterate(metric.start)
 
@@ -127,7 +127,7 @@ class MultiplierDescent:
     def tangent(self, at: Iterate, direction: Array) -> Array:
         """Return the direction without fixed unknowns and those at a bound."""
         metric = self.metric
-        moving = metric.here & ~metric.fixed & (at.w > metric.lower) & (at.w < metric.upper)
+        moving = metric.moving & (at.w > metric.lower) & (at.w < metric.upper)
         return np.where(moving, direction, 0.0)
 
     def curvature(self, at: Iterate, direction: Array) -> Array:
@@ -135,11 +135,11 @@ class MultiplierDescent:
         ahead = self.gradient(self._iterate(at.w + _DIFFERENCE * direction))
         return (ahead - self.gradient(self._iterate(at.w))) / _DIFFERENCE
 
-    def advance(self, at: Iterate, gradient: Array, alpha: float) -> Move | None:
+    def advance(self, at: Iterate, gradient: Array, found: Errors, alpha: float) -> Move | None:
         """Return a projected gradient step on L, after an update of λ when it is due."""
         metric = self.metric
-        if self._due(at, gradient):
-            self._update(at)
+        if found.optimality <= self._inner_tolerance or self._inner >= _INNER_STEPS:
+            self._update(at, found)
             at = self._iterate(at.w)
             gradient = self.gradient(at)
         self._inner += 1
@@ -165,18 +165,13 @@ class MultiplierDescent:
     def _value(self, J: float, c: Array) -> float:
         return J + float(np.sum(self._multipliers * c) + 0.5 * self._penalty * np.sum(c * c))
 
-    def _due(self, at: Iterate, gradient: Array) -> bool:
-        left = largest(projected(self.metric, at.w, gradient) / self.metric.scale)
-        return left <= self._inner_tolerance or self._inner >= _INNER_STEPS
-
-    def _update(self, at: Iterate) -> None:
+    def _update(self, at: Iterate, found: Errors) -> None:
         """λ ← λ + ρc; a larger ρ where the defects have not fallen to a quarter."""
-        norm = largest(at.point.defects * self.metric.defect_scale)
         tolerance, optimality = self._tolerances
         self._multipliers = at.multipliers
-        if norm > max(0.25 * self._last_norm, 0.1 * tolerance):
+        if found.defect > max(0.25 * self._last_defect, 0.1 * tolerance):
             self._penalty = min(10.0 * self._penalty, _MOST_PENALTY)
-        self._last_norm = norm
+        self._last_defect = found.defect
         self._inner = 0
         self._inner_tolerance = max(0.3 * self._inner_tolerance, 0.5 * optimality)
         self._values.clear()

@@ -137,7 +137,7 @@ class ProjectedGradient:
                 alpha = self._length(form, at, gradient, move, alpha)  # (18)
                 if i == 0 and not form.safeguarded and self._unstable(form, at):
                     return Status.STALLED, self._why(Status.STALLED, form, at)
-                move = form.advance(at, gradient, alpha)  # 5, 6: update and projection
+                move = form.advance(at, gradient, found, alpha)  # 5, 6: update and projection
                 if move is None:
                     return form.why_status, self._why(form.why_status, form, at)
                 at = move.to
@@ -227,7 +227,7 @@ class _Run:
             regularisation=form.regularisation,
         )
         self.history.append(record)
-        measure = max(found.primal / self.tolerance, found.optimality / self.optimality)
+        measure = found.measure(self.tolerance, self.optimality)
         known = bool(np.isfinite(measure) and np.isfinite(at.point.objective))
         if known or self.last is None:
             self.last = at, gradient
@@ -255,7 +255,7 @@ class _Run:
             self.undefined = self.undefined or self._undefined(at)
             status = Status.EVALUATION_ERROR if self.undefined else status
         held = projected(metric, at.w, gradient) - gradient
-        bounds = np.where(metric.here & ~metric.fixed & np.isfinite(held), held, 0.0)
+        bounds = np.where(metric.moving & np.isfinite(held), held, 0.0)
         z, m = metric.unscaled(at.w), metric.multipliers(at.multipliers, bounds)
         program = metric.program
         complete_fixed(program, z, m)

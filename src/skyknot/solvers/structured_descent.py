@@ -23,7 +23,7 @@ from collections import deque
 import numpy as np
 
 from skyknot.solvers.bounded_projection import BoundedProjection, Projection
-from skyknot.solvers.descent import Iterate, Move, projected
+from skyknot.solvers.descent import Errors, Iterate, Move
 from skyknot.solvers.metric import Array, Metric
 from skyknot.solvers.step_size import dot
 from skyknot.status import Status
@@ -80,7 +80,7 @@ class StructuredDescent:
 
     def metric_times(self, step: Array) -> Array:
         """Return M s where s may move, 0 elsewhere."""
-        moving = (self._projection.active == 0) & ~self.metric.fixed
+        moving = (self._projection.active == 0) & self.metric.moving
         return np.where(moving, self.metric.product(step)[0], 0.0)
 
     def tangent(self, at: Iterate, direction: Array) -> Array:
@@ -99,41 +99,36 @@ class StructuredDescent:
         slope = change / (2.0 * _DIFFERENCE)
         return -metric.solve(slope, np.zeros_like(at.multipliers))[0]
 
-    def advance(self, at: Iterate, gradient: Array, alpha: float) -> Move | None:
+    def advance(self, at: Iterate, gradient: Array, found: Errors, alpha: float) -> Move | None:
         """Return the projected step from an iterate, made safe."""
-        if self._slow(at, gradient) or self._stale:
+        if self._slow(found) or self._stale:
             self._renew(at)
         fresh = self._stale
         self._stale = False
         c = at.point.defects
         self._merits.append((at.point.objective, float(np.sum(np.abs(c)))))
         while self.regularisation < _MOST_REGULARISATION:
-            found = self._projection.project(at.w, alpha * gradient, c)
-            move = self._safe(at, found, alpha) if found is not None else None
+            projection = self._projection.project(at.w, alpha * gradient, c)
+            move = self._safe(at, projection, alpha) if projection is not None else None
             if move is not None:
                 self._stale = move.length < _STALE
                 return move
             if fresh:
-                more = 10.0 if found is not None else 1000.0
+                more = 10.0 if projection is not None else 1000.0
                 self._projection.regularisation = max(1e-4, more * self.regularisation)
                 self._projection.forget()
             else:
                 self._renew(at)
                 fresh = True
         self.why = "No step along the projected gradient lowers the merit any more."
-        if found is None:
+        if projection is None:
             self.why = "No step meets the linearised defects and all bounds."
             self.why_status = Status.INFEASIBLE
         return None
 
-    def _slow(self, at: Iterate, gradient: Array) -> bool:
+    def _slow(self, found: Errors) -> bool:
         """Return whether the last few steps have not halved the error, in tolerances."""
-        metric, (tolerance, optimality) = self.metric, self._tolerances
-        left = projected(metric, at.w, gradient) / metric.scale
-        defect = np.abs(at.point.defects * metric.defect_scale)
-        self._errors.append(
-            float(max(np.max(np.abs(left)) / optimality, np.max(defect) / tolerance))
-        )
+        self._errors.append(found.measure(*self._tolerances))
         return len(self._errors) > _PATIENCE and self._errors[-1] > 0.5 * self._errors[0]
 
     def _renew(self, at: Iterate) -> None:
