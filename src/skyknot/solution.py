@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from skyknot.errors import UserError
 from skyknot.status import Status
-from skyknot.trajectory import Trajectory
+from skyknot.trajectory import Trajectory, lagrange_basis, located
 from skyknot.witness import Witness
 
 if TYPE_CHECKING:
@@ -145,6 +145,60 @@ class Solution:
     def control(self, t: ArrayLike) -> Array:
         """Return the control at t [s], (nu,) or (M, nu), by the scheme's own interpolant."""
         return self.trajectory.control(t)
+
+    @property
+    def interior_costates(self) -> Array:
+        """(N, i, nx) costates at the interior points of the segments, by covector mapping.
+
+        ψ_j = Σ_i A_ij λ_i / b_j, with which the scheme's own controls minimise H. Of order s − 1
+        with Lobatto's s points, s with Radau's, 2 at a Hermite–Simpson midpoint.
+
+        Raises
+        ------
+        UserError
+            When the solution comes from a file without its scheme.
+
+        References
+        ----------
+        Q. Gong, I. M. Ross, W. Kang & F. Fahroo, Comput. Optim. Appl. 41 (2008) 307–335; D. Garg
+        et al., Automatica 46 (2010) 1843–1851; W. W. Hager, Numer. Math. 87 (2000) 247–282.
+        """
+        A, b = self._known_witness.A, self._known_witness.A[-1]
+        inside = slice(1, -1)
+        weighted = np.einsum("ij,kix->kjx", A[:, inside], self._known_witness.defects)
+        result: Array = weighted / b[inside, None]
+        return result
+
+    def costate(self, t: ArrayLike) -> Array:
+        """Return the costate p(t), (nx,) or (M, nx), with H = ℓ + pᵀf.
+
+        In every segment the polynomial through node and interior costates; the node costates are of
+        higher order (``costates``).
+
+        Raises
+        ------
+        UserError
+            When the solution comes from a file without its scheme.
+        """
+        values = np.concatenate(
+            [self.costates[:-1, None], self.interior_costates, self.costates[1:, None]], axis=1
+        )
+        k, tau, _, scalar = located(self.times, t)
+        basis = lagrange_basis(self._known_witness.points, tau)
+        result: Array = np.einsum("tj,tjx->tx", basis, values[k])
+        return result[0] if scalar else result
+
+    @property
+    def _known_witness(self) -> Witness:
+        if self.witness is None:
+            raise UserError(
+                "This solution does not carry its scheme.",
+                where="solution",
+                found="a file written by an earlier version",
+                expected="a solution with scheme and multipliers",
+                do="Solve again, with guess= the solution read.",
+            )
+        return self.witness
 
     def feedback(self, t: ArrayLike) -> Array:
         """Return the gains K(t), (nu, nx) or (M, nu, nx): u = u*(t) − K(t)(x − x*(t)).

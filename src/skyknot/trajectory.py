@@ -80,7 +80,7 @@ class Trajectory:
 
     def state(self, t: ArrayLike) -> Array:
         """Return the state at t [s]: (nx,) for a scalar, (M, nx) for an array of M times."""
-        k, tau, h, scalar = self._locate(t)
+        k, tau, h, scalar = located(self.times, t)
         if self.segments is None:
             values = (1 - tau)[:, None] * self.states[k] + tau[:, None] * self.states[k + 1]
         else:
@@ -92,7 +92,7 @@ class Trajectory:
 
     def control(self, t: ArrayLike) -> Array:
         """Return the control at t [s]: (nu,) for a scalar, (M, nu) for an array of M times."""
-        k, tau, _, scalar = self._locate(t)
+        k, tau, _, scalar = located(self.times, t)
         if self.segments is None:
             values = (1 - tau)[:, None] * self.controls[k] + tau[:, None] * self.controls[k + 1]
         else:
@@ -102,7 +102,7 @@ class Trajectory:
 
     def state_rate(self, t: ArrayLike) -> Array:
         """Return the time derivative of the state's interpolant at t [s]."""
-        k, tau, h, scalar = self._locate(t)
+        k, tau, h, scalar = located(self.times, t)
         if self.segments is None:
             values = (self.states[k + 1] - self.states[k]) / h[:, None]
         else:
@@ -110,13 +110,20 @@ class Trajectory:
             values = np.einsum("ts,tsx->tx", weights, self.segments.rates[k])
         return values[0] if scalar else values
 
-    def _locate(self, t: ArrayLike) -> tuple[NDArray[np.intp], Array, Array, bool]:
-        times = np.asarray(t, dtype=float)
-        flat = np.atleast_1d(times).ravel()
-        k = np.clip(np.searchsorted(self.times, flat, side="right") - 1, 0, len(self.times) - 2)
-        h = self.times[k + 1] - self.times[k]
-        tau = np.clip((flat - self.times[k]) / h, 0.0, 1.0)
-        return k, tau, h, times.ndim == 0
+
+def located(times: Array, t: ArrayLike) -> tuple[NDArray[np.intp], Array, Array, bool]:
+    """Return segment, place τ in it and its length for every t, and whether t is a scalar.
+
+    Parameters
+    ----------
+    times : (N+1,) node times; a t beyond them is held at their ends
+    """
+    asked = np.asarray(t, dtype=float)
+    flat = np.atleast_1d(asked).ravel()
+    k = np.clip(np.searchsorted(times, flat, side="right") - 1, 0, len(times) - 2)
+    h = times[k + 1] - times[k]
+    tau = np.clip((flat - times[k]) / h, 0.0, 1.0)
+    return k, tau, h, asked.ndim == 0
 
 
 def barycentric_weights(points: Array) -> Array:

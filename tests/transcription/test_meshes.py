@@ -77,7 +77,17 @@ def test_two_places_at_the_same_new_spot_add_one_node():
 
 
 @pytest.mark.parametrize(
-    "scheme", [sk.Euler(8), sk.Trapezoid(7), sk.HermiteSimpson(7), sk.HermiteSimpson(3)]
+    "scheme",
+    [
+        sk.Euler(8),
+        sk.Trapezoid(7),
+        sk.HermiteSimpson(7),
+        sk.HermiteSimpson(3),
+        sk.Lobatto(3, 6),
+        sk.Lobatto(1, 12, controls="discontinuous"),
+        sk.Radau(3, 4),
+        sk.Chebyshev(2, 7),
+    ],
 )
 def test_point_constraints_hold_at_their_time(scheme):
     problem = hill(
@@ -96,7 +106,15 @@ def test_point_constraints_hold_at_their_time(scheme):
 
 @pytest.mark.parametrize("at", [0.0, 1.0])
 @pytest.mark.parametrize(
-    "scheme", [sk.Euler(6), sk.Trapezoid(6), sk.HermiteSimpson(4, controls="hold")]
+    "scheme",
+    [
+        sk.Euler(6),
+        sk.Trapezoid(6),
+        sk.HermiteSimpson(4, controls="hold"),
+        sk.Lobatto(2, 5),
+        sk.Radau(3, 3),
+        sk.Radau(1, 6),
+    ],
 )
 def test_point_constraints_reach_the_very_ends(scheme, at):
     problem = hill(
@@ -147,9 +165,34 @@ def test_an_unknown_choice_is_refused_with_the_known_ones(choice, value):
     assert "or" in caught.value.expected
 
 
+@pytest.mark.parametrize(
+    "scheme",
+    [sk.Lobatto(2, 4), sk.Lobatto(1, 7), sk.Radau(2, 3), sk.Radau(30, 1), sk.Chebyshev(2, 4)],
+)
+@pytest.mark.parametrize("solver", ["interior-point", "ipopt"])
+def test_path_constraints_hold_at_every_point_of_longer_segments(scheme, solver):
+    problem = hill(
+        path=[
+            sk.PathConstraint("roof", lambda x, u: x[0], upper=0.2),
+            sk.PathConstraint("push", lambda x, u: u[0] + 0.1 * x[0], lower=-3.5),
+        ],
+    )
+    solution = sk.solve(problem, scheme, solver, tolerance=1e-9)
+    assert solution.success, solution.message
+    inside = solution.trajectory.segments
+    rows = np.concatenate([inside.interior_states.reshape(-1, 2), solution.states])
+    assert rows[:, 0].max() <= 0.2 + 1e-8
+    t = solution.times[:-1, None] + np.diff(solution.times)[:, None] * inside.control_points
+    push = inside.control_values[..., 0].ravel() + 0.1 * solution.state(t.ravel() - 1e-13)[:, 0]
+    assert push.min() >= -3.5 - 1e-7
+    assert push.min() < -3.4 or rows[:, 0].max() > 0.2 - 1e-6
+    # the uncollocated start of the first Radau segment is looked at too
+    assert solution.controls[0, 0] >= -3.5 - 1e-7
+
+
 def test_the_plain_sum_weighs_every_node_but_the_last_once():
     problem = hill(running_cost=lambda x, u: 1.0 + 0 * u[0])
-    for scheme in (sk.Euler, sk.Trapezoid, sk.HermiteSimpson):
+    for scheme in (sk.Euler, sk.Trapezoid, sk.HermiteSimpson, sk.Lobatto, sk.Radau, sk.Chebyshev):
         assert sk.solve(problem, scheme(6, objective="sum")).objective == pytest.approx(6.0)
         assert sk.solve(problem, scheme(6)).objective == pytest.approx(1.0)
 

@@ -61,7 +61,7 @@ def radau(points: int) -> SchemeTable:
     """
     c, b = quadrature.radau(_checked(points, 1))
     return _table(
-        f"Radau, {points} points",
+        f"Radau, {points} point{'s' if points > 1 else ''}",
         c,
         b,
         order=2 * points - 1,
