@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import csv
+import json
+import math
 import struct
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pymap3d
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from pymavlink.dialects.v20 import common
@@ -136,8 +139,38 @@ def read_ros2(path: Path) -> Read:
     )
 
 
+def read_plan(path: Path) -> Read:
+    """Fly the plan on paper: wait at a waypoint, then to the next at the speed last set."""
+    plan = json.loads(path.read_text(encoding="utf-8"))
+    home = plan["mission"]["plannedHomePosition"]
+    clock, wait, speed = 0.0, 0.0, math.nan
+    times, places, headings = [], [], []
+    for item in plan["mission"]["items"]:
+        p1, p2, _, heading, latitude, longitude, height = item["params"]
+        if item["command"] == 178:
+            speed = p2
+        if item["command"] != 16:
+            continue
+        north, east, _ = pymap3d.geodetic2ned(latitude, longitude, home[2] + height, *home)
+        place = np.array([north, east, -height])
+        if places:
+            clock += wait + np.linalg.norm(place - places[-1]) / speed
+        wait = p1
+        times.append(clock)
+        places.append(place)
+        headings.append(np.radians(heading))
+    return Read(
+        frame="ned",
+        text=json.dumps(plan["skyknot"]),
+        times=np.array(times),
+        position=np.array(places),
+        yaw=np.array(headings),
+    )
+
+
 READERS = {
     "csv": read_csv,
+    "plan": read_plan,
     "mavlink-position": read_mavlink,
     "mavlink-attitude": read_mavlink,
     "ros2": read_ros2,

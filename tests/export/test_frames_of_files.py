@@ -17,11 +17,15 @@ CASES = [(name, frame) for name, known in FORMATS.items() for frame in known.fra
 EXACT = {"position": 1e-12, "velocity": 1e-12, "attitude": 1e-12, "rates": 1e-12}
 ACCURACY = {
     "csv": EXACT,
+    "plan": {"position": 1e-3, "yaw": 1e-5},
     "mavlink-position": {"position": 2e-6, "velocity": 1e-6, "yaw": 2e-7},
     "mavlink-attitude": {"attitude": 2e-7, "rates": 1e-7},
     "ros2": {"position": 1e-8, "velocity": 1e-8, "attitude": 1e-8, "rates": 1e-8},
 }
 """What each format promises: m, m/s, rad, rad/s."""
+
+RATES = {"plan": 2.0}
+"""Where a format would otherwise choose its own few points."""
 
 
 @pytest.fixture(params=MOTIONS)
@@ -41,7 +45,8 @@ def told(request, motion, tmp_path):
     """Return what a reader finds, the states at its times, its axes, and what was promised."""
     name, frame = request.param
     path = tmp_path / FORMATS[name].file_name
-    write_export(motion, path, name, frame=frame, origin=Origin(*HOME), certificate=CERTIFIED)
+    options = {"rate": RATES.get(name), "frame": frame, "origin": Origin(*HOME)}
+    write_export(motion, path, name, certificate=CERTIFIED, **options)
     read = READERS[name](path)
     assert read.frame == (frame or "ned")
     return read, motion.trajectory.state(read.times), AXES[read.frame], ACCURACY[name]

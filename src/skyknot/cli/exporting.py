@@ -81,7 +81,7 @@ def export(
         uncertified=uncertified,
     )
     sentence = (
-        f"Written to {written.path}: {written.format.title}, {written.samples} samples; "
+        f"Written to {written.path}: {written.format.title}, {written.samples} points; "
         f"{written.accuracy}. {written.verdict[0].upper()}{written.verdict[1:]}."
     )
     if as_json:

@@ -45,7 +45,7 @@ class Request:
     solution : what the numbers come from
     flight : the solution sampled; only formats that ``samples_anything`` may do without
     frame : "ned" or "enu"
-    rate : Hz; None is at the nodes
+    rate : Hz, as the user asked; None is the format's own
     verdict : one sentence; begins with UNCERTIFIED when no certificate passed
     origin : place on Earth of x = y = z = 0; given where a format needs it
     """
@@ -83,10 +83,13 @@ class Encoded:
     ----------
     content : the whole file
     accuracy : a sentence's worth of words: how closely the file tells the trajectory
+    points : number of points written, where they are fewer than the samples; ``accuracy`` then
+        tells what lies between them too
     """
 
     content: bytes
     accuracy: str
+    points: int | None = None
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from skyknot.export.base import Format
+from skyknot.export.ground_plan import PLAN
 from skyknot.export.mavlink import MAVLINK_ATTITUDE, MAVLINK_POSITION
 from skyknot.export.ros_bag import ROS2
 from skyknot.export.rpg_table import CSV
 
 FORMATS: dict[str, Format] = {
-    entry.name: entry for entry in (CSV, MAVLINK_POSITION, MAVLINK_ATTITUDE, ROS2)
+    entry.name: entry for entry in (CSV, PLAN, MAVLINK_POSITION, MAVLINK_ATTITUDE, ROS2)
 }
 """Formats by name."""

@@ -25,7 +25,7 @@ class Written:
     ----------
     path : the file
     format : its format
-    samples : number of samples
+    samples : number of samples, or of waypoints
     accuracy : what a reader may rely on
     verdict : what the file says about its certificate
     """
@@ -81,13 +81,13 @@ def write_export(
     place = parsed_origin(origin) if isinstance(origin, str) else origin
     verdict = f"{MARK}: {failing}" if failing else "certified"
     axes = _frame(wanted, frame)
-    rate = wanted.rate if rate is None else rate
-    flight = _flight(solution, wanted, rate)
+    flight = _flight(solution, wanted, wanted.rate if rate is None else rate)
     _check_needs(wanted, flight, place)
     encoded = wanted.encode(Request(solution, flight, axes, rate, verdict, place))
     replace_file(target, lambda part: part.write_bytes(encoded.content))
     count = len(solution.times) if flight is None else len(flight.times)
-    return Written(target, wanted, count, _accuracy(encoded, flight), verdict)
+    points = count if encoded.points is None else encoded.points
+    return Written(target, wanted, points, _accuracy(encoded, flight), verdict)
 
 
 def uncertified_because(solution: Solution, certificate: Any = None) -> str:
@@ -169,6 +169,6 @@ def _check_needs(wanted: Format, flight: Flight | None, origin: Origin | None) -
 
 
 def _accuracy(encoded: Encoded, flight: Flight | None) -> str:
-    if flight is None:
+    if flight is None or encoded.points is not None:
         return encoded.accuracy
     return f"{encoded.accuracy}; straight lines between samples stay within {flight.gap:.2g} m"
