@@ -22,14 +22,11 @@ WEB = Path(__file__).with_name("web")
 OWN = ("palette", "surroundings", "craft_model", "viewpoint", "replay")
 """The replay's own scripts, in the order in which they need one another."""
 
-WITHOUT_WEBGL = (
-    "The flight cannot be shown in motion, because this browser offers no WebGL 2."
-    " The picture of the path, among the figures, shows the same scene."
+WITHOUT = (
+    "The flight cannot be shown in motion, because this browser runs no scripts here or offers no"
+    " WebGL 2. The picture of the path, among the figures, shows the same scene."
 )
-WITHOUT_SCRIPTS = (
-    "The flight cannot be shown in motion, because scripts are switched off."
-    " The picture of the path, among the figures, shows the same scene."
-)
+"""What stands in the replay's place until it runs."""
 
 CAPTIONS = {
     "flown": "What moves is the independent re-simulation: the controls flown open loop. Thin: the"
@@ -79,8 +76,7 @@ def replay_element(readings: Sequence[Reading], wind: Sequence[float] | None = N
         .replace("{thrust_max}", _short(data["vehicles"][0]["thrustMax"]))
         .replace("{fastest}", _short(max(data["vehicles"][0]["speeds"])))
         .replace("{colors}", ", ".join(data["colors"]))
-        .replace("{without_webgl}", WITHOUT_WEBGL)
-        .replace("{without_scripts}", WITHOUT_SCRIPTS)
+        .replace("{without}", WITHOUT)
         .replace("{caption}", CAPTIONS[data["vehicles"][0]["source"]])
         .replace("{data}", text)
     )

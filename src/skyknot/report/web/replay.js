@@ -185,7 +185,7 @@ class Replay {
 function startReplays() {
   for (const root of document.querySelectorAll(".replay")) {
     const probe = document.createElement("canvas").getContext("webgl2");
-    if (!probe) { root.dataset.state = "without"; continue; }
+    if (!probe) continue; // a sentence stands in its place
     probe.getExtension("WEBGL_lose_context")?.loseContext();
     const data = JSON.parse(root.querySelector("script[type='application/json']").textContent);
     root.dataset.state = "ready";
