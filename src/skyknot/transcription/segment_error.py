@@ -30,6 +30,9 @@ Array = NDArray[np.float64]
 SAMPLES = 8
 """Gauss–Legendre places in a segment, where the interpolant meets the dynamics."""
 
+ROUNDING = 1e-9
+"""Distance, relative to the sizes, below which the pieces join as well as they can."""
+
 JUNCTIONS = 3
 """Most passes over the junctions of the flown pieces."""
 
@@ -162,7 +165,7 @@ def _joined(motion: Motion, Phi: Array, apart: Array, w: Array, near: float) -> 
         for k in range(len(Phi)):
             change[k + 1] = Phi[k] @ change[k] + gaps[k]
         apart = apart + change
-        if _largest(change / w) <= 0.1 * _largest(apart / w):
+        if _largest(change / w) <= max(0.1 * _largest(apart / w), ROUNDING):
             return apart
     return np.full_like(apart, np.inf)
 
