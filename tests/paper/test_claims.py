@@ -15,9 +15,19 @@ import skyknot as sk
 from skyknot.cli.main import app
 from skyknot.paper import EXPERIMENTS, VERDICTS, Scale, run_claims
 from skyknot.paper import run as runs
-from skyknot.paper.base import CHANGED, FAILS, HOLDS, Claim, Finding, Measure, judged, slope
+from skyknot.paper.base import (
+    CHANGED,
+    FAILS,
+    HOLDS,
+    Claim,
+    Finding,
+    Measure,
+    judged,
+    slope,
+    written,
+)
 from skyknot.paper.stability import cost_hessian, pade, stability_function
-from skyknot.paper.transfers import VEHICLE, report_flight, transfer
+from skyknot.paper.transfers import VEHICLE, report_flight, seeded_goals, transfer
 
 QUICK = Scale(quick=True)
 
@@ -131,6 +141,53 @@ def test_a_finding_survives_its_file():
     finding = Finding(claim, {"h": [0.1, 0.2]})
     assert Finding.from_dict(json.loads(json.dumps(finding.as_dict()))) == finding
     assert claim.measured[0].text == "m: 0.0015 s"
+
+
+def test_many_values_are_told_by_median_and_spread():
+    measure = Measure.of_many("cost", [1.0, 2.0, 3.0, 4.0, 1e-5], "J")
+    assert measure.text == "cost, median: 2 (0.4 to 3.6) J"
+    claim = Claim("c", "1", "s", (measure,), "h", HOLDS, "w")
+    assert Finding.from_dict(json.loads(json.dumps(Finding(claim).as_dict()))).claim == claim
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(-3.25e-7, "−3.25e−7"), (1e12, "1e12"), (0.5, "0.5"), (0.0, "0")]
+)
+def test_numbers_are_written_for_people(value, text):
+    assert written(value) == text
+
+
+def test_the_structured_form_alone_reaches_the_figures_that_the_report_gives(findings):
+    """Defect ≤ 1e-6 and optimality ≤ 1e-4 within 300 iterations, and Ipopt's objective."""
+    finding = findings["optimality_after_iterations"]
+    assert number(finding, "optimality error (20), structured") <= 1e-4
+    assert number(finding, "largest defect (19), structured") <= 1e-6
+    assert number(finding, "iterations, structured") <= 100
+    assert number(finding, "objective off Ipopt's") < 1e-4
+    assert number(finding, "optimality error (20), with multipliers") > 1e-2
+
+
+def test_as_printed_the_algorithm_leaves_the_start_and_says_that_it_has_not_solved(findings):
+    finding = findings["iterations_and_time"]
+    assert number(finding, "x(0) as printed") > 1
+    assert "'stalled'" in finding.claim.why
+    assert finding.claim.verdict == CHANGED
+    histories = finding.data
+    assert set(histories) == {"structured", "printed", "multipliers"}
+    assert histories["structured"]["optimality"][-1] < histories["multipliers"]["optimality"][-1]
+
+
+def test_the_saving_is_measured_on_many_transfers_against_many_fixed_steps(findings):
+    saved = findings["barzilai_borwein_saving"].data["saved"]
+    assert all(len(shares) == 3 for shares in saved.values())
+    assert len(seeded_goals(20)) == len(set(seeded_goals(20))) == 20
+
+
+def test_the_reduced_model_is_solved_in_fewer_iterations_but_does_not_start_at_rest(findings):
+    finding = findings["reduced_order"]
+    assert number(finding, "iterations, reduced") < number(finding, "iterations, full")
+    assert number(finding, "state asked for at t = 0") > 0.1
+    assert finding.claim.verdict == CHANGED
 
 
 def test_what_is_kept_is_not_run_again(folder, monkeypatch):

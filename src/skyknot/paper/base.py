@@ -21,7 +21,9 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
 
 HOLDS, CHANGED, FAILS = "holds", "holds with a change", "does not hold"
 VERDICTS = (HOLDS, CHANGED, FAILS)
@@ -52,16 +54,33 @@ class Measure:
     ----------
     name, unit : what it is; unit empty when dimensionless
     value : as measured in this run
+    spread : where four fifths of many values lie around it; None for a single one
     """
 
     name: str
     value: float
     unit: str = ""
+    spread: tuple[float, float] | None = None
+
+    @classmethod
+    def of_many(cls, name: str, values: Sequence[float] | Array, unit: str = "") -> Measure:
+        """Return the median of values, with the range from their 10th to their 90th percentile."""
+        low, median, high = (float(v) for v in np.percentile(values, (10, 50, 90)))
+        return cls(f"{name}, median", median, unit, (low, high))
+
+    @property
+    def number(self) -> str:
+        """Number, spread and unit, in words for a table."""
+        shown = written(self.value)
+        if self.spread is not None:
+            low, high = (written(value) for value in self.spread)
+            shown += f" ({low} to {high})"
+        return f"{shown} {self.unit}".rstrip()
 
     @property
     def text(self) -> str:
-        """Name, number and unit, in words for a table."""
-        return f"{self.name}: {self.value:.5g} {self.unit}".rstrip().replace("e-0", "e-")
+        """Name, number, spread and unit."""
+        return f"{self.name}: {self.number}"
 
 
 @dataclass(frozen=True)
@@ -109,8 +128,18 @@ class Finding:
     def from_dict(cls, plain: dict[str, Any]) -> Finding:
         """Return the finding that ``as_dict`` told."""
         claim = dict(plain["claim"])
-        claim["measured"] = tuple(Measure(**measure) for measure in claim["measured"])
+        claim["measured"] = tuple(
+            Measure(**measure | {"spread": measure["spread"] and tuple(measure["spread"])})
+            for measure in claim["measured"]
+        )
         return cls(Claim(**claim), plain["data"])
+
+
+def written(value: float) -> str:
+    """Return a number in four digits, powers of ten without leading zeros."""
+    mantissa, _, exponent = f"{value:.4g}".replace("-", "−").partition("e")
+    power = exponent.replace("−0", "−").lstrip("+0")
+    return f"{mantissa}e{power}" if exponent else mantissa
 
 
 Experiment = Callable[[Scale], Finding]

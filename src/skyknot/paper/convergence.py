@@ -14,8 +14,8 @@ from skyknot.solution import HISTORY, Solution
 
 Array = NDArray[np.float64]
 
-ROUNDING = 1e-11
-"""Errors below this are rounding: no rate is read from them."""
+ROUNDING = 1e-10
+"""Errors below this are those of rounding and of linear solves: no rate is read from them."""
 
 
 def linear_then_superlinear(scale: Scale) -> Finding:

@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
-from skyknot.paper import accuracy, convergence, efficiency, proof, reduction, stability
+from skyknot.paper import (
+    accuracy,
+    convergence,
+    efficiency,
+    gradient,
+    growth,
+    proof,
+    reduction,
+    stability,
+)
 from skyknot.paper.base import Experiment
 
 EXPERIMENTS: dict[str, Experiment] = {
@@ -14,12 +23,15 @@ EXPERIMENTS: dict[str, Experiment] = {
         stability.stability_region,
         stability.step_size_test,
         efficiency.decision_vector,
-        efficiency.linear_in_segments,
-        efficiency.interior_point_growth,
-        efficiency.quadratic_programming_growth,
+        growth.linear_in_segments,
+        growth.interior_point_growth,
+        growth.quadratic_programming_growth,
+        gradient.iterations_and_time,
         efficiency.speed_against_general_solver,
+        gradient.barzilai_borwein_saving,
         reduction.reduced_order,
         accuracy.defect_at_report_size,
+        gradient.optimality_after_iterations,
         convergence.linear_then_superlinear,
         proof.arrival,
         accuracy.defects_by_mesh,

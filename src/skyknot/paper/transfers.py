@@ -28,8 +28,15 @@ Array = NDArray[np.float64]
 SEGMENTS, DURATION = 100, 10.0
 """Size of the report's transfer: N, and t_f = N Δt with Δt = 0.1 s."""
 
-GOAL = (8.0, 6.0, -5.0, np.pi / 2)
+Goal = tuple[float, float, float, float]
+GOAL: Goal = (8.0, 6.0, -5.0, np.pi / 2)
 """Position, m, and yaw, rad, of the goal."""
+
+NEAREST, SEED = 0.3, 18
+"""Seeded goals: each coordinate of the report's goal by a factor from here to 1, either sign."""
+
+GRADING = 2.0
+"""Nodes of the graded mesh at t_f (k/N) to this power: dense where the flight begins."""
 
 Q = np.array([1, 1, 1, 0.2, 0.2, 0.2, 0.5, 0.5, 1, 0.05, 0.05, 0.05])
 R = np.array([0.02, 2, 2, 4])
@@ -53,14 +60,14 @@ VEHICLE = Vehicle(
 )
 
 
-def state_at(place: tuple[float, float, float, float]) -> Array:
+def state_at(place: Goal) -> Array:
     """Return the state (12,) of hover at a place: position, m, and yaw, rad."""
     state = np.zeros(12)
     state[:3], state[8] = place[:3], place[3]
     return state
 
 
-def transfer(goal: tuple[float, float, float, float] = GOAL, start: Array | None = None) -> Problem:
+def transfer(goal: Goal = GOAL, start: Array | None = None) -> Problem:
     """Return the report's transfer to a goal, from rest at the origin or another state (12,)."""
     target = state_at(goal)
     tracking = QuadraticTracking(target, Q, R, FINAL_SHARE * Q, VEHICLE.hover)
@@ -70,6 +77,17 @@ def transfer(goal: tuple[float, float, float, float] = GOAL, start: Array | None
         **_craft(VEHICLE.wrench_model(), bounded=True),
         **_costs(tracking),
     )
+
+
+def seeded_goals(count: int) -> list[Goal]:
+    """Return goals drawn with a fixed seed: up to the report's distance, any side, up or down."""
+    generator = np.random.default_rng(SEED)
+    goals: list[Goal] = []
+    for _ in range(count):
+        share = generator.uniform(NEAREST, 1.0, 4) * generator.choice([-1.0, 1.0], 4)
+        x, y, z, yaw = (float(value) for value in share * np.array(GOAL))
+        goals.append((x, y, z, yaw))
+    return goals
 
 
 def smooth_transfer(duration: float = 4.0) -> Problem:
@@ -85,8 +103,8 @@ def smooth_transfer(duration: float = 4.0) -> Problem:
     )
 
 
-def reduced_transfer() -> Problem:
-    """Return the report's transfer for the translational–yaw model.
+def reduced_transfer(goal: Goal = GOAL) -> Problem:
+    """Return the transfer to a goal for the translational–yaw model.
 
     Position, velocity and yaw keep their weights. What the model lacks is put in terms of what it
     has, to first order at hover: tilt = horizontal acceleration / g, thrust − m g = −m a_z, and
@@ -95,7 +113,7 @@ def reduced_transfer() -> Problem:
     mass, g = VEHICLE.mass, VEHICLE.gravity
     keep = [0, 1, 2, 3, 4, 5, 8]
     effort = np.array([Q[7] / g**2, Q[6] / g**2, R[0] * mass**2, Q[11]])
-    target = state_at(GOAL)[keep]
+    target = state_at(goal)[keep]
     tracking = QuadraticTracking(target, Q[keep], effort, FINAL_SHARE * Q[keep])
     return Problem(
         initial=[0.0] * 7,
@@ -140,15 +158,24 @@ def scheme(segments: int, name: str = "hermite-simpson", **choices: str) -> dict
     return {"scheme": name, "segments": segments, **choices}
 
 
-def solved(problem: Problem, segments: int, **choices: Any) -> Solution:
-    """Return the solution on equal segments; ``choices`` as for ``solve``.
+def graded(segments: int) -> dict[str, Any]:
+    """Return Hermite–Simpson on nodes that lie densest at the start, for ``solve``."""
+    nodes = np.linspace(0.0, 1.0, segments + 1) ** GRADING
+    return {"scheme": "hermite-simpson", "mesh": nodes}
+
+
+def solved(problem: Problem, mesh: int | dict[str, Any], **choices: Any) -> Solution:
+    """Return the solution on a number of equal segments, or with the transcription given.
+
+    ``choices`` as for ``solve``.
 
     Raises
     ------
     RuntimeError
         When it is not solved: no number may rest on it.
     """
-    solution = solve(problem, scheme(segments), **choices)
+    chosen = scheme(mesh) if isinstance(mesh, int) else mesh
+    solution = solve(problem, chosen, **choices)
     if not solution.success:
         raise RuntimeError(f"{problem.name}: {solution.message}")
     return solution
@@ -158,3 +185,15 @@ def solved(problem: Problem, segments: int, **choices: Any) -> Solution:
 def report_flight(segments: int = SEGMENTS) -> Solution:
     """Return the report's transfer, solved by the default solver; kept for all experiments."""
     return solved(transfer(), segments)
+
+
+@lru_cache(maxsize=4)
+def graded_flight(segments: int = SEGMENTS) -> Solution:
+    """Return the report's transfer on the graded mesh."""
+    return solved(transfer(), graded(segments))
+
+
+@lru_cache(maxsize=4)
+def descent_flight(segments: int = SEGMENTS) -> Solution:
+    """Return the report's transfer, solved by the projected gradient in its structured form."""
+    return solved(transfer(), segments, solver="projected-gradient")
