@@ -7,8 +7,11 @@ import json
 import math
 import struct
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
+from xml.etree import ElementTree
 
+import netCDF4
 import numpy as np
 import pymap3d
 from mcap.reader import make_reader
@@ -168,11 +171,68 @@ def read_plan(path: Path) -> Read:
     )
 
 
+def read_netcdf(path: Path) -> Read:
+    """Read by the C library of the format's makers."""
+    with netCDF4.Dataset(path) as data:
+        data.set_auto_mask(False)
+        text = "\n".join(f"{name}: {data.getncattr(name)}" for name in data.ncattrs())
+
+        def columns(*names):
+            return np.stack([data[name][:] for name in names], axis=1)
+
+        return Read(
+            frame=data.frame.split(":")[0].lower(),
+            text=text,
+            times=data["time"][:],
+            position=columns("x", "y", "z"),
+            velocity=columns("vx", "vy", "vz"),
+            quaternions=columns("q_w", "q_x", "q_y", "q_z"),
+            rates=columns("p", "q", "r"),
+            rotors=columns(*(f"rotor_thrust_{i}" for i in (1, 2, 3, 4))),
+        )
+
+
+def from_home(longitudes, latitudes, heights) -> np.ndarray:
+    """Return NED by pymap3d; the altitude is kept, as the documents say."""
+    north, east, _ = pymap3d.geodetic2ned(latitudes, longitudes, heights, *HOME)
+    return np.stack([north, east, HOME[2] - np.asarray(heights)], axis=1)
+
+
+def read_geojson(path: Path) -> Read:
+    track = json.loads(path.read_text(encoding="utf-8"))["features"][0]
+    assert (track["type"], track["geometry"]["type"]) == ("Feature", "LineString")
+    return Read(
+        frame="ned",
+        text=json.dumps({k: v for k, v in track["properties"].items() if isinstance(v, str)}),
+        times=np.array(track["properties"]["times"]),
+        position=from_home(*np.array(track["geometry"]["coordinates"]).T),
+    )
+
+
+def read_kml(path: Path) -> Read:
+    names = {"k": "http://www.opengis.net/kml/2.2", "gx": "http://www.google.com/kml/ext/2.2"}
+    document = ElementTree.fromstring(path.read_bytes()).find("k:Document", names)
+    track = document.find("k:Placemark/gx:Track", names)
+    assert track.find("k:altitudeMode", names).text == "absolute"
+    moments = [datetime.fromisoformat(when.text) for when in track.findall("k:when", names)]
+    places = [coord.text.split() for coord in track.findall("gx:coord", names)]
+    words = [document.find(f"k:{part}", names).text for part in ("name", "description")]
+    return Read(
+        frame="ned",
+        text="\n".join(words),
+        times=np.array([(moment - moments[0]).total_seconds() for moment in moments]),
+        position=from_home(*np.array(places, dtype=float).T),
+    )
+
+
 READERS = {
     "csv": read_csv,
+    "netcdf": read_netcdf,
     "plan": read_plan,
     "mavlink-position": read_mavlink,
     "mavlink-attitude": read_mavlink,
     "ros2": read_ros2,
+    "geojson": read_geojson,
+    "kml": read_kml,
 }
 """A reader for every format."""

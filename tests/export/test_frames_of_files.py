@@ -17,10 +17,13 @@ CASES = [(name, frame) for name, known in FORMATS.items() for frame in known.fra
 EXACT = {"position": 1e-12, "velocity": 1e-12, "attitude": 1e-12, "rates": 1e-12}
 ACCURACY = {
     "csv": EXACT,
+    "netcdf": EXACT,
     "plan": {"position": 1e-3, "yaw": 1e-5},
     "mavlink-position": {"position": 2e-6, "velocity": 1e-6, "yaw": 2e-7},
     "mavlink-attitude": {"attitude": 2e-7, "rates": 1e-7},
     "ros2": {"position": 1e-8, "velocity": 1e-8, "attitude": 1e-8, "rates": 1e-8},
+    "geojson": {"position": 1e-4},
+    "kml": {"position": 1e-4},
 }
 """What each format promises: m, m/s, rad, rad/s."""
 

@@ -25,6 +25,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from skyknot.errors import UserError
 from skyknot.export.geodesy import Origin
 from skyknot.export.samples import Flight
@@ -43,6 +46,7 @@ class Request:
     Attributes
     ----------
     solution : what the numbers come from
+    times : (M,) sample times, s, on the trajectory's clock
     flight : the solution sampled; only formats that ``samples_anything`` may do without
     frame : "ned" or "enu"
     rate : Hz, as the user asked; None is the format's own
@@ -51,6 +55,7 @@ class Request:
     """
 
     solution: Solution
+    times: NDArray[np.float64]
     flight: Flight | None
     frame: str
     rate: float | None

@@ -81,12 +81,13 @@ def write_export(
     place = parsed_origin(origin) if isinstance(origin, str) else origin
     verdict = f"{MARK}: {failing}" if failing else "certified"
     axes = _frame(wanted, frame)
-    flight = _flight(solution, wanted, wanted.rate if rate is None else rate)
+    chosen_rate = wanted.rate if rate is None else rate
+    times = sample_times(solution.trajectory, chosen_rate, wanted.tick)
+    flight = None if _is_other(solution, wanted) else sampled(solution, times)
     _check_needs(wanted, flight, place)
-    encoded = wanted.encode(Request(solution, flight, axes, rate, verdict, place))
+    encoded = wanted.encode(Request(solution, times, flight, axes, rate, verdict, place))
     replace_file(target, lambda part: part.write_bytes(encoded.content))
-    count = len(solution.times) if flight is None else len(flight.times)
-    points = count if encoded.points is None else encoded.points
+    points = len(times) if encoded.points is None else encoded.points
     return Written(target, wanted, points, _accuracy(encoded, flight), verdict)
 
 
@@ -137,10 +138,10 @@ def _frame(wanted: Format, frame: str | None) -> str:
     )
 
 
-def _flight(solution: Solution, wanted: Format, rate: float | None) -> Flight | None:
-    if wanted.samples_anything and not {"x", "y", "z"} <= set(state_names(solution)):
-        return None
-    return sampled(solution, sample_times(solution.trajectory, rate, wanted.tick))
+def _is_other(solution: Solution, wanted: Format) -> bool:
+    """Return whether this is no flight, but something that the format takes all the same."""
+    flies = {"x", "y", "z"} <= set(state_names(solution)) and solution.record.frame == "NED"
+    return wanted.samples_anything and not flies
 
 
 def _check_needs(wanted: Format, flight: Flight | None, origin: Origin | None) -> None:
