@@ -41,7 +41,10 @@ from skyknot.transcription import (
     Radau,
     Transcription,
     Trapezoid,
+    iteration_matrix_norm,
+    stability,
 )
+from skyknot.transcription.refinement import Refinement
 from skyknot.version import __version__
 
 if TYPE_CHECKING:
@@ -62,6 +65,7 @@ __all__ = [
     "Problem",
     "ProjectedGradient",
     "QuadraticTracking",
+    "Refinement",
     "Radau",
     "Solution",
     "State",
@@ -78,12 +82,14 @@ __all__ = [
     "ellipsoid",
     "half_space",
     "initial_guess",
+    "iteration_matrix_norm",
     "load",
     "missions",
     "solve",
     "solve_many",
     "speed_limit",
     "sphere",
+    "stability",
     "tilt_limit",
     "vehicles",
     "write_csv",

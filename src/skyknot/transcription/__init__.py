@@ -9,7 +9,9 @@ from skyknot.transcription.doors import (
     Lobatto,
     Radau,
     Trapezoid,
+    stability,
 )
+from skyknot.transcription.stability_function import iteration_matrix_norm
 
 __all__ = [
     "DOORS",
@@ -20,4 +22,6 @@ __all__ = [
     "Radau",
     "Transcription",
     "Trapezoid",
+    "iteration_matrix_norm",
+    "stability",
 ]

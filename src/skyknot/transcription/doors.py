@@ -6,10 +6,13 @@ from collections.abc import Callable
 
 from numpy.typing import ArrayLike
 
+from skyknot.errors import UserError
 from skyknot.transcription.base import Array, Transcription
 from skyknot.transcription.collocation import chebyshev, lobatto, radau
 from skyknot.transcription.mesh import checked, uniform
-from skyknot.transcription.schemes import EULER, HERMITE_SIMPSON, TRAPEZOID
+from skyknot.transcription.schemes import EULER, HERMITE_SIMPSON, SCHEMES, TRAPEZOID
+from skyknot.transcription.stability_function import Stability
+from skyknot.transcription.table import SchemeTable
 
 
 def Euler(segments: int = 100, *, mesh: ArrayLike | None = None, **choices: str) -> Transcription:
@@ -142,6 +145,33 @@ DOORS: dict[str, Callable[..., Transcription]] = {
     "radau": Radau,
     "chebyshev": Chebyshev,
 }
+
+
+def stability(scheme: Transcription | SchemeTable | str) -> Stability:
+    """Return the stability function R(z) of a scheme, with region, A- and L-stability.
+
+    Parameters
+    ----------
+    scheme : what ``sk.Lobatto(points=4)`` and its siblings return, its table, or a scheme's name
+
+    Raises
+    ------
+    UserError
+        When no scheme has this name.
+    """
+    if isinstance(scheme, Transcription):
+        return scheme.table.stability
+    if isinstance(scheme, SchemeTable):
+        return scheme.stability
+    if scheme not in SCHEMES:
+        raise UserError(
+            "There is no scheme of this name.",
+            where="scheme",
+            found=repr(scheme),
+            expected=" or ".join(repr(name) for name in SCHEMES),
+            do="Choose one of the schemes above, or give the scheme itself.",
+        )
+    return SCHEMES[scheme].stability
 
 
 def _nodes(segments: int, mesh: ArrayLike | None) -> Array:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skyknot.trajectory import lagrange_basis
+from skyknot.transcription.stability_function import Stability
 
 Array = NDArray[np.float64]
 
@@ -89,6 +90,11 @@ class SchemeTable:
     def default_controls(self) -> str:
         """The control parametrisation used when none is asked for."""
         return next(iter(self.control_points))
+
+    @property
+    def stability(self) -> Stability:
+        """The stability function R(z) of the scheme."""
+        return Stability(self.C, self.A)
 
     @property
     def used(self) -> NDArray[np.intp]:
