@@ -71,7 +71,7 @@ def test_names_that_netcdf_cannot_hold_are_changed_and_told(tmp_path):
     with archived(tmp_path, replace(solution, trajectory=named)) as data:
         assert data["turn__"].long_name == "state turn ψ"
         assert data["turn___"].long_name == "state turn φ"
-        np.testing.assert_array_equal(data["turn___"][:], named.states[:, 1])
+        np.testing.assert_array_equal(data["turn___"][:], named.state(named.times)[:, 1])
 
 
 def test_a_rate_leaves_costates_out(tmp_path):
