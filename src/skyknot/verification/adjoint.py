@@ -22,6 +22,10 @@ CUBIC = 3
 """Most state points of a segment whose costate is read as a cubic through its ends."""
 
 
+FLAT = 1e-6
+"""Share of the objective below which moving a control over its room does not count as curvature."""
+
+
 class Adjoint:
     """Costates at nodes and inside the segments.
 
@@ -62,6 +66,25 @@ class Adjoint:
         weight = self.program.fractions[:, None] * b
         result: Array = self.program.nu / weight[:, :, None]
         return result
+
+    @cached_property
+    def flat_controls(self) -> tuple[str, ...]:
+        """Names of the controls in which the Hamiltonian nowhere curves."""
+        program = self.program
+        N, s = program.places.shape
+        X, U, p = (
+            each.reshape(N * s, -1)
+            for each in (program.X, program.U, self.at(program.witness.points))
+        )
+        _, R = program.lagrangian.control_form(
+            X, U, program.places.ravel(), np.repeat(self.share, s), p
+        )
+        rooms = program.problem.control_upper - program.problem.control_lower
+        rooms = np.where(np.isfinite(rooms), rooms, np.maximum(np.ptp(U, axis=0), 1e-9))
+        curved = np.max(np.abs(np.einsum("pii->pi", R)), axis=0) * rooms**2 * program.duration
+        flat = ~(curved > FLAT * program.objective_size)
+        names = zip(program.problem.control_names, flat, strict=True)
+        return tuple(name for name, is_flat in names if is_flat)
 
     def at(self, tau: Array) -> Array:
         """Return (N, M, nx) costates at places tau (M,) of all segments.

@@ -108,3 +108,10 @@ def outside(values: Array, lower: Array, upper: Array) -> Array:
     """Return (M, n) how far values lie outside [lower, upper] (n,); NaN stays NaN."""
     below, above = lower - values, values - upper
     return np.maximum(np.maximum(below, above), 0.0)
+
+
+def cost_per(unit: str) -> str:
+    """Return the unit of a multiplier: the objective's over that of what it multiplies."""
+    if not unit:
+        return "cost"
+    return f"cost/({unit})" if "/" in unit or " " in unit else f"cost/{unit}"

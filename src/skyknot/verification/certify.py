@@ -38,6 +38,8 @@ CHECKS: tuple[Callable[[Evidence, Limits], Check | None], ...] = (
     motion.dynamics_between,
     flight.flight,
     flight.arrival,
+    flight.feedback,
+    flight.perturbed,
     optimality.stationarity,
     optimality.signs,
     optimality.complementarity,
@@ -80,10 +82,23 @@ def certify(
     chosen = limits or Limits()
     found = [check(evidence, chosen) for check in CHECKS]
     checks = {check.name: check for check in found if check is not None}
-    return Certificate(problem.name, checks, _notes(witness))
+    return Certificate(problem.name, checks, _notes(evidence))
 
 
-def _notes(witness: Witness | None) -> tuple[str, ...]:
+def _notes(evidence: Evidence) -> tuple[str, ...]:
+    """Return a sentence for everything that could not be judged."""
+    witness, adjoint = evidence.witness, evidence.adjoint
     if witness is None:
         return ("Optimality was not checked: the answer came without multipliers.",)
-    return ()
+    notes = []
+    if adjoint is None:
+        notes.append("Costates were not checked: the answer claims none.")
+    if witness.gains is None:
+        notes.append("Not flown with feedback: the solver gave no gains.")
+    elif adjoint is not None and adjoint.flat_controls:
+        flat = ", ".join(adjoint.flat_controls)
+        notes.append(f"Not flown with feedback: the cost does not curve in {flat}.")
+    reason = hamiltonian.unjudged(evidence)
+    if reason:
+        notes.append(f"The minimum principle was not checked: {reason}.")
+    return tuple(notes)

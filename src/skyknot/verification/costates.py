@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from skyknot.verification.base import Check, worst_of
+from skyknot.verification.base import Check, cost_per, worst_of
 from skyknot.verification.evidence import Evidence
 from skyknot.verification.tolerances import Limits
 
@@ -106,4 +106,4 @@ def _largest(values: Array) -> Array:
 
 
 def _units(evidence: Evidence) -> tuple[str, ...]:
-    return tuple(f"cost/({unit or '1'})" for unit in evidence.state_units)
+    return tuple(cost_per(unit) for unit in evidence.state_units)

@@ -28,6 +28,7 @@ class Equations:
 
     Attributes
     ----------
+    parameters : their values, for the problem's callables
     path_uses_controls : (ng,) whether each path constraint depends on a control
     """
 
@@ -35,13 +36,13 @@ class Equations:
         self.problem = problem
         values = problem.parameter_values()
         values |= {name: parameters[name] for name in values if name in parameters}
-        self._p = Parameters({name: ca.SX(value) for name, value in values.items()})
+        self.parameters = Parameters({name: ca.SX(value) for name, value in values.items()})
         x, u, t = ca.SX.sym("x", problem.nx), ca.SX.sym("u", problem.nu), ca.SX.sym("t")
-        path = [scalar(call(g.function, x, u, p=self._p, t=t)) for g in problem.path]
-        points = [scalar(call(g.function, x, u, p=self._p, t=t)) for g in problem.points]
-        self._rates = ca.Function("rates", [x, u, t], [problem.rates_of(x, u, self._p, t)])
-        self._path = ca.Function("path", [x, u, t], [ca.SX(ca.vertcat(*path))])
-        self._points = ca.Function("points", [x, u, t], [ca.SX(ca.vertcat(*points))])
+        path = [scalar(call(g.function, x, u, p=self.parameters, t=t)) for g in problem.path]
+        points = [scalar(call(g.function, x, u, p=self.parameters, t=t)) for g in problem.points]
+        self._rates = ca.Function("rates", [x, u, t], [problem.rates_of(x, u, self.parameters, t)])
+        self.parametersath = ca.Function("path", [x, u, t], [ca.SX(ca.vertcat(*path))])
+        self.parametersoints = ca.Function("points", [x, u, t], [ca.SX(ca.vertcat(*points))])
         self.path_uses_controls: NDArray[np.bool_] = np.array(
             [any(ca.which_depends(ca.SX(value), u, 1)) for value in path], dtype=bool
         )
@@ -52,11 +53,11 @@ class Equations:
 
     def path(self, X: Array, U: Array, t: Array) -> Array:
         """Return (M, ng) values of the path constraints."""
-        return self._at(self._path, X, U, t)
+        return self._at(self.parametersath, X, U, t)
 
     def points(self, X: Array, U: Array, t: Array) -> Array:
         """Return (M, ng) values of the point constraints."""
-        return self._at(self._points, X, U, t)
+        return self._at(self.parametersoints, X, U, t)
 
     def flight(self, terms: int) -> tuple[Callable[[float, Array], Array], Array, Array]:
         """Return f(t, x) under a polynomial control, with the buffers that set the segment.
@@ -70,8 +71,8 @@ class Equations:
         nx, nu = self.problem.nx, self.problem.nu
         x, t = ca.SX.sym("x", nx), ca.SX.sym("t")
         C, segment = ca.SX.sym("C", nu, terms), ca.SX.sym("segment", 2)
-        control = _clenshaw(C, 2 * (t - segment[0]) / segment[1] - 1)
-        rates = self.problem.rates_of(x, control, self._p, t)
+        control = clenshaw(C, 2 * (t - segment[0]) / segment[1] - 1)
+        rates = self.problem.rates_of(x, control, self.parameters, t)
         function = ca.Function("flight", [x, t, C, segment], [rates])
         return _buffered(function, nx, nu, terms)
 
@@ -81,7 +82,7 @@ class Equations:
         return np.asarray(result.full(), dtype=float).T
 
 
-def _clenshaw(C: Any, s: Any) -> Any:
+def clenshaw(C: Any, s: Any) -> Any:
     """Return Σ_j C[:, j] T_j(s) by Clenshaw's recurrence."""
     last = before = ca.SX.zeros(C.shape[0])
     for j in reversed(range(1, C.shape[1])):

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from skyknot.errors import UserError
 from skyknot.problem.problem import Problem
 from skyknot.trajectory import SegmentData, Trajectory
-from skyknot.verification import polynomials
+from skyknot.verification import closed_loop, polynomials
 from skyknot.verification.adjoint import Adjoint
 from skyknot.verification.equations import Equations
 from skyknot.verification.finite_program import FiniteProgram
@@ -166,6 +166,22 @@ class Evidence:
     def flown(self) -> Array:
         """(N+1, nx) states of the open-loop flight; NaN from where the integrator gave up."""
         return fly(self.equations, self.trajectory, self.control_polynomials)
+
+    @cached_property
+    def tracked(self) -> Array | None:
+        """(S, N+1, nx) states flown with feedback, from the exact and from perturbed starts.
+
+        None without gains, or where the cost does not curve in a control: the gains are then the
+        solver's barrier and not the problem's.
+        """
+        gains = None if self.witness is None else self.witness.gains
+        if gains is None or self.adjoint is None or self.adjoint.flat_controls:
+            return None
+        p, begin = self.problem, closed_loop.starts(self.trajectory.states)
+        reference = closed_loop.reference(
+            self.trajectory, self.segments, self.control_polynomials, gains
+        )
+        return closed_loop.track(p, self.equations.parameters, reference, begin)
 
     @cached_property
     def state_sizes(self) -> Array:

@@ -57,12 +57,9 @@ def constancy(evidence: Evidence, limits: Limits) -> Check | None:
 def minimum(evidence: Evidence, limits: Limits) -> Check | None:
     """Check equation (22) of the source report: u minimises H over the control set, pointwise."""
     program, adjoint = evidence.program, evidence.adjoint
-    p = evidence.problem
     if program is None or adjoint is None:
         return None
-    bounded_rates = np.any(np.isfinite(p.rate_lower) | np.isfinite(p.rate_upper))
-    mixed = np.any(evidence.equations.path_uses_controls)
-    if bounded_rates or mixed:
+    if unjudged(evidence):
         return None
     gaps, how = _gaps(program, adjoint)
     weights = adjoint.h[:, None] * np.maximum(program.witness.A[-1], 0.0)
@@ -80,6 +77,16 @@ def minimum(evidence: Evidence, limits: Limits) -> Check | None:
         f" control bounds, integrated over the horizon; the least value {how}.",
         worst=f"at {when:.4g} s",
     )
+
+
+def unjudged(evidence: Evidence) -> str:
+    """Return why the pointwise minimum does not apply; empty where it does."""
+    p = evidence.problem
+    if np.any(np.isfinite(p.rate_lower) | np.isfinite(p.rate_upper)):
+        return "with bounds on their rates, controls at different times depend on one another"
+    if np.any(evidence.equations.path_uses_controls):
+        return "path constraints mix states and controls"
+    return ""
 
 
 def _of_segments(program: FiniteProgram) -> tuple[Array, float]:

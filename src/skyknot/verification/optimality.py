@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from skyknot.verification.base import Check, worst_of
+from skyknot.verification.base import Check, cost_per, worst_of
 from skyknot.verification.evidence import Evidence
 from skyknot.verification.finite_program import FiniteProgram
 from skyknot.verification.tolerances import Limits
@@ -93,7 +93,7 @@ def _group(evidence: Evidence, program: FiniteProgram, kind: str, sizes: Array) 
     }[kind]
     names, units, times = _labels(evidence, kind)
     flat = np.abs(slopes).reshape(len(times), len(names))
-    return flat, sizes, names, tuple(f"cost/({unit or '1'})" for unit in units), times
+    return flat, sizes, names, tuple(cost_per(unit) for unit in units), times
 
 
 def _priced(evidence: Evidence, kind: str, excess: Array) -> Group:
