@@ -21,6 +21,33 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class MeshRound:
+    """One mesh of a refinement and its errors, as shares of the states' sizes.
+
+    Attributes
+    ----------
+    segments, iterations : counts
+    seconds : time for everything: solve, estimate, next mesh
+    status : how the solve ended
+    dynamics : largest error of a state between the nodes
+    flight : largest distance of the open-loop flight from the nodes
+    constraints : largest passing of a limit between the nodes, share of the limit
+    switching : largest share of the horizon over which a jump of a control is spread
+    error : the number compared with the accuracy
+    """
+
+    segments: int
+    iterations: int
+    seconds: float
+    status: str
+    dynamics: float
+    flight: float
+    constraints: float
+    switching: float
+    error: float
+
+
+@dataclass(frozen=True)
 class Record:
     """What a solution says about how it came to be; all plain data, saved as JSON.
 
@@ -38,6 +65,9 @@ class Record:
     detail : names the variable or constraint at fault; empty on success
     timings : seconds spent in each phase
     work : counts of evaluations and factorisations
+    accuracy : accuracy asked for between the nodes and in flight; None when solved on one mesh
+    rounds : the meshes of the refinement, in order; iterations, times and counts of a refined
+        solution are those of all of them
     """
 
     problem: str
@@ -55,6 +85,8 @@ class Record:
     detail: str = ""
     timings: dict[str, float] = field(default_factory=dict)
     work: dict[str, int] = field(default_factory=dict)
+    accuracy: float | None = None
+    rounds: tuple[MeshRound, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -109,6 +141,11 @@ class Solution:
         head = f"{self.status.value.capitalize()}: objective {self.objective:.6g} after {effort}."
         parts = [head, self.status.sentence, self.record.detail, self.status.advice]
         return " ".join(part for part in parts if part)
+
+    @property
+    def rounds(self) -> tuple[MeshRound, ...]:
+        """The meshes that were solved on, when an accuracy was asked for."""
+        return self.record.rounds
 
     @property
     def times(self) -> Array:

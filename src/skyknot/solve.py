@@ -15,15 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skyknot.errors import UserError
+from skyknot.kernel.program import Multipliers, Program
 from skyknot.problem.guess import ladder
 from skyknot.problem.problem import Problem
+from skyknot.rounds import Answer, in_rounds
 from skyknot.solution import HISTORY, Record, Solution
 from skyknot.solvers import SOLVERS
 from skyknot.solvers.base import Callback, Solver, SolverResult
+from skyknot.solvers.interior_point import InteriorPoint
 from skyknot.status import Status
 from skyknot.trajectory import Trajectory
 from skyknot.transcription import DOORS, Transcription
+from skyknot.transcription.inheritance import inherited
+from skyknot.transcription.pointwise import PointFunctions
 from skyknot.transcription.recover import multipliers_from, recover, same_unknowns
+from skyknot.transcription.refinement import Refinement
 from skyknot.transcription.testimony import testimony
 from skyknot.version import __version__
 
@@ -39,6 +45,7 @@ def solve(
     guess: Trajectory | Solution | None = None,
     tolerance: float = 1e-6,
     callback: Callback | None = None,
+    accuracy: float | Refinement | None = None,
 ) -> Solution:
     """Solve ``problem``; a failure is a Solution with ``success=False``, never an exception.
 
@@ -53,6 +60,10 @@ def solve(
         None for the guess ladder, whose next rung is tried when a start fails
     tolerance : on the optimality conditions, in the user's units
     callback : called with an IterationRecord each iteration; returning True stops the solve
+    accuracy : largest error between the nodes and in open-loop flight, as a share of the size of
+        each state (its scale where given, else 1 + its largest magnitude): the mesh is refined
+        until it is reached, from the mesh of ``transcription``; a Refinement sets limits as well.
+        None solves on that one mesh
 
     Raises
     ------
@@ -62,7 +73,18 @@ def solve(
     scheme = resolve_transcription(transcription)
     chosen = resolve_solver(solver)
     check_arguments(problem, guess, tolerance)
-    return answered(Task(problem, scheme, chosen, tolerance, callback), guess)
+    if accuracy is None:
+        return answered(Task(problem, scheme, chosen, tolerance, callback), guess)
+    wanted = accuracy if isinstance(accuracy, Refinement) else Refinement(accuracy)
+    functions = PointFunctions.of(problem)
+    task = Task(problem, scheme, chosen, tolerance, callback, functions)
+    return in_rounds(
+        problem,
+        lambda: _first(task, guess),
+        lambda mesh, last, warm: _on_mesh(replace(task, scheme=mesh), last, warm=warm),
+        functions,
+        wanted,
+    )
 
 
 @dataclass(frozen=True)
@@ -74,6 +96,13 @@ class Task:
     solver: Solver
     tolerance: float
     callback: Callback | None = None
+    functions: PointFunctions | None = None
+
+    def program(self, guess: Trajectory) -> Program:
+        """Return the finite program, started from a guess."""
+        if self.functions is None:
+            return self.scheme.program(self.problem, guess)
+        return self.scheme.program_of(self.functions, self.problem, guess)
 
 
 def answered(task: Task, guess: Trajectory | Solution | None) -> Solution:
@@ -108,16 +137,43 @@ def _least_violated(failed: list[Solution]) -> Solution:
 
 def _attempt(task: Task, guess: Trajectory | Solution, rung: str) -> Solution:
     """Solve from one guess."""
-    problem, scheme, chosen = task.problem, task.scheme, task.solver
-    tolerance = task.tolerance
     watch = _Stopwatch()
-    program = scheme.program(problem, guess.trajectory if isinstance(guess, Solution) else guess)
+    program = task.program(guess.trajectory if isinstance(guess, Solution) else guess)
     multipliers = None
     if isinstance(guess, Solution) and _is_of(program, guess):
         multipliers = multipliers_from(program, guess.multipliers)
         program = program.starting_at(np.clip(guess.decision, program.lower, program.upper))
     watch.lap("transcription")
-    result = chosen.solve(program, tolerance, multipliers, task.callback)
+    return _solved(task, program, multipliers, rung, watch)
+
+
+def _first(task: Task, guess: Trajectory | Solution | None) -> Answer:
+    """Return the answer on the mesh that refinement begins with."""
+    solution = answered(task, guess)
+    return Answer(task.scheme, task.program(solution.trajectory), solution)
+
+
+def _on_mesh(task: Task, last: Answer, *, warm: bool) -> Answer:
+    """Return the answer on a new mesh, from that on another; ``warm`` with its multipliers."""
+    watch = _Stopwatch()
+    program = task.program(last.solution.trajectory)
+    multipliers = None
+    if warm:
+        known = Multipliers(**last.solution.multipliers)
+        multipliers = inherited(last.program, known, program, task.scheme.table.points)
+        if isinstance(task.solver, InteriorPoint):
+            task = replace(task, solver=task.solver.for_inherited())
+    watch.lap("transcription")
+    rung = last.solution.record.guess
+    return Answer(task.scheme, program, _solved(task, program, multipliers, rung, watch))
+
+
+def _solved(
+    task: Task, program: Program, multipliers: Multipliers | None, rung: str, watch: _Stopwatch
+) -> Solution:
+    """Solve a program and tell everything about the answer."""
+    problem, scheme, chosen = task.problem, task.scheme, task.solver
+    result = chosen.solve(program, task.tolerance, multipliers, task.callback)
     watch.lap("solver")
     recovered = recover(program, scheme.table.points, result.z, result.multipliers, result.values)
     watch.lap("recovery")
@@ -141,7 +197,7 @@ def _attempt(task: Task, guess: Trajectory | Solution, rung: str) -> Solution:
             transcription=f"{scheme.table.name}, {scheme.controls} control",
             solver=chosen.name,
             segments=program.segments,
-            tolerance=tolerance,
+            tolerance=task.tolerance,
             frame=problem.frame,
             state_units=tuple(state.unit for state in problem.states),
             control_units=tuple(control.unit for control in problem.controls),

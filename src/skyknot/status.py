@@ -16,6 +16,7 @@ class Status(StrEnum):
     EVALUATION_ERROR = "evaluation error"
     STALLED = "stalled"
     INTERRUPTED = "interrupted"
+    INACCURATE = "accuracy not reached"
 
     @property
     def success(self) -> bool:
@@ -62,5 +63,9 @@ _SENTENCES = {
     Status.INTERRUPTED: (
         "The solve was interrupted; the best iterate so far is returned.",
         "Solve again with this solution as the guess.",
+    ),
+    Status.INACCURATE: (
+        "The optimality conditions hold on the best mesh found, but not the accuracy asked for.",
+        "Ask for less, allow more segments, or price and bound what jumps.",
     ),
 }

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skyknot.errors import UserError
-from skyknot.solution import Record, Solution
+from skyknot.solution import MeshRound, Record, Solution
 from skyknot.status import Status
 from skyknot.trajectory import SegmentData, Trajectory
 from skyknot.witness import Witness
@@ -154,6 +154,7 @@ def _solution(arrays: dict[str, Any], metadata: dict[str, Any]) -> Solution:
     record = metadata["record"]
     for name in ("state_units", "control_units"):
         record[name] = tuple(record[name])
+    record["rounds"] = tuple(MeshRound(**entry) for entry in record.get("rounds", ()))
     segments = None
     if any(name.startswith("segment_") for name in arrays):
         segments = SegmentData(**{name: arrays[f"segment_{name}"] for name in _SEGMENTS})

@@ -29,7 +29,11 @@ ARROWS = {
     "solution": {"problem"},
     "storage": {"solution"},
     # the front door takes a problem, so it sees the room where problems are stated
-    "solve": {"problem", "transcription", "solvers", "verification", "solution"},
+    # and the finite program passes through its hands, from mesh to mesh
+    "solve": {
+        *("problem", "transcription", "solvers", "verification", "solution", "rounds", "kernel"),
+    },
+    "rounds": {"problem", "transcription", "solution", "kernel"},
     "solve_many": {"solve", "problem", "transcription", "solvers", "solution"},
     "missions": {"problem", "models"},
     "report": {"solution"},

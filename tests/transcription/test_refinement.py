@@ -15,7 +15,7 @@ UNIFORM = np.linspace(0.0, 1.0, 21)
 LAYS = pytest.mark.parametrize("lay", [refined, split])
 
 
-def errors(between, effect=None, passed=None, flight=None):
+def errors(between, effect=None, passed=None, flight=None, smeared=None):
     between = np.asarray(between, dtype=float)
     effect = np.zeros_like(between) if effect is None else np.asarray(effect, dtype=float)
     apart = np.zeros((len(between) + 1, 1))
@@ -26,6 +26,7 @@ def errors(between, effect=None, passed=None, flight=None):
         apart=apart,
         effect=effect,
         passed=np.zeros_like(between) if passed is None else np.asarray(passed, dtype=float),
+        smeared=np.zeros_like(between) if smeared is None else np.asarray(smeared, dtype=float),
         sizes=np.ones(1),
     )
 
@@ -76,6 +77,14 @@ def test_a_limit_passed_between_the_nodes_is_reason_enough(lay):
         np.diff(mesh)[(mesh[:-1] > UNIFORM[5] - 0.01) & (mesh[1:] < UNIFORM[6] + 0.01)]
     )
     assert longest <= 0.05 / 3
+
+
+@LAYS
+def test_a_jump_spread_over_a_segment_is_reason_enough(lay):
+    smeared = one_bad(5, 0.05, others=0.0)
+    calm = np.full(20, 1e-6)
+    mesh = lay(UNIFORM, errors(calm, smeared=smeared), Refinement(1e-4), HERMITE_SIMPSON)
+    assert np.sum((mesh > UNIFORM[5] + 1e-9) & (mesh < UNIFORM[6] - 1e-9)) >= 3
 
 
 def test_segments_that_do_better_than_asked_for_merge_while_the_rest_is_far_off():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -41,6 +41,7 @@ class InteriorPoint:
     barrier_start : first barrier parameter, in the scaled objective
     refinements : most refinement steps of a linear solve
     push : how far inside its bounds the start is moved, relative
+    warm_barrier, warm_push : the same when multipliers are given
     """
 
     max_iterations: int = 1000
@@ -48,7 +49,16 @@ class InteriorPoint:
     barrier_start: float = 0.1
     refinements: int = 3
     push: float = 1e-2
+    warm_barrier: float = 1e-6
+    warm_push: float = 1e-8
     name: str = "interior-point"
+
+    def for_inherited(self) -> InteriorPoint:
+        """Return settings for multipliers of another mesh: near the optimum, not on it.
+
+        Measured over the missions of the library: fewest iterations with a barrier of 1e-4.
+        """
+        return replace(self, warm_barrier=1e-4, warm_push=1e-3)
 
     def solve(
         self,
@@ -111,7 +121,7 @@ class Prepared:
         }
         if multipliers is not None:
             data |= self.rows.warm(multipliers)
-            options |= {"barrier_start": 1e-6, "push": 1e-8}
+            options |= {"barrier_start": settings.warm_barrier, "push": settings.warm_push}
         raw = self.native.solve(data, options, _watch(callback))
         return self._result(raw)
 

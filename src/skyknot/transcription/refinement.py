@@ -40,6 +40,10 @@ AIM = 0.5
 STEEPEST = 4.0
 """Largest ratio of the lengths of neighbours that the errors alone may bring about."""
 
+SWITCH_SHARE = 10.0
+"""Over how many times the accuracy, of the horizon, a jump of a control may be spread: switching
+times are then known to a thousandth of the horizon at 1e-4."""
+
 FURTHEST_MOVE = 0.25
 """How far a node is moved onto a switch, of its shorter segment; beyond, a node is added there."""
 
@@ -59,7 +63,9 @@ class Refinement:
     Parameters
     ----------
     accuracy : largest error of any state between the nodes, and of the whole open-loop flight,
-        relative to the size of the state: its scale where given, else 1 + its largest magnitude
+        relative to the size of the state: its scale where given, else 1 + its largest magnitude.
+        Limits are passed between the nodes by at most 30 times as much of their size, and jumps
+        of controls are spread over at most 10 times as much of the horizon
     rounds : most meshes to solve on
     segments : most segments of a mesh
     seconds : no mesh is begun after this time, s
@@ -93,7 +99,12 @@ class Refinement:
 
     def worst(self, error: SegmentError) -> float:
         """Return the one number to compare with the accuracy."""
-        return max(error.dynamics, error.flight, error.constraints / CONSTRAINT_SHARE)
+        return max(
+            error.dynamics,
+            error.flight,
+            error.constraints / CONSTRAINT_SHARE,
+            error.switching / SWITCH_SHARE,
+        )
 
 
 def refined(
@@ -174,7 +185,8 @@ def _pieces_alone(error: SegmentError, wanted: Refinement, table: SchemeTable) -
     local = np.maximum(error.between.max(axis=1), np.abs(error.missed).max(axis=1))
     pieces = (_bounded(local) / accuracy) ** (1 / (s + 1))
     passed = (error.passed / (CONSTRAINT_SHARE * accuracy)) ** 0.5
-    return np.maximum(pieces, passed)
+    spread = np.where(error.smeared > SWITCH_SHARE * wanted.accuracy, MOST_PIECES, 0.0)
+    return np.maximum(np.maximum(pieces, passed), spread)
 
 
 def _pieces_for_flight(error: SegmentError, accuracy: float, p: int) -> Array:

@@ -9,6 +9,8 @@ Three measures, all relative to the sizes of the states:
   misses by multiple shooting: e_{k+1} = Φ_k e_k + d_k, then all segments are flown again, at once,
   from x_k + e_k, until the flown pieces join (Newton's method on the junctions).
 
+A jump of a control that is spread over some time is no error of the dynamics; it is told besides.
+
 Legend: N segments, nx states, M places, Φ transition matrix, d missed, e apart, w sizes.
 """
 
@@ -24,6 +26,7 @@ from skyknot.problem.problem import Problem
 from skyknot.trajectory import Trajectory
 from skyknot.transcription.pointwise import PointFunctions
 from skyknot.transcription.segment_flight import Motion
+from skyknot.transcription.switches import smeared
 
 Array = NDArray[np.float64]
 
@@ -49,6 +52,7 @@ class SegmentError:
     effect : (N,) largest change that the miss of one segment makes in any later state
     passed : (N,) how far state bounds and path constraints on states are passed inside a segment,
         over the size of the bound (at least 1)
+    smeared : (N,) share of the horizon over which a jump of a control in the segment is spread
     sizes : (nx,) w: the state's scale where given, else 1 + its largest magnitude
     """
 
@@ -57,6 +61,7 @@ class SegmentError:
     apart: Array
     effect: Array
     passed: Array
+    smeared: Array
     sizes: Array
 
     @property
@@ -73,6 +78,11 @@ class SegmentError:
     def constraints(self) -> float:
         """Largest passing of a bound or path constraint between the nodes."""
         return _largest(self.passed)
+
+    @property
+    def switching(self) -> float:
+        """Largest share of the horizon over which a jump of a control is spread."""
+        return _largest(self.smeared)
 
 
 def segment_error(
@@ -99,7 +109,8 @@ def segment_error(
         Phi = motion.transitions()
         apart, effect = _propagated(Phi, missed, w)
         apart = _joined(motion, Phi, apart, w, near)
-    return SegmentError(between / w, missed / w, apart / w, effect, passed, w)
+    spread = smeared(problem, trajectory)
+    return SegmentError(between / w, missed / w, apart / w, effect, passed, spread, w)
 
 
 def state_sizes(problem: Problem, trajectory: Trajectory) -> Array:

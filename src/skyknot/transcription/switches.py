@@ -48,7 +48,8 @@ class Switch:
     ----------
     control : column of the control
     place : share of the horizon
-    bracket : shares of the horizon between which the controls alone place it
+    bracket : shares of the horizon between which the controls alone place it; of a jump, from
+        the last place on one bound to the first on the other
     jump : whether the control goes from one bound to the other at once, as far as one can see
     """
 
@@ -68,6 +69,7 @@ class _Change:
     free: float
     guess: float
     jump: bool
+    bracket: tuple[float, float]
 
 
 def switches(
@@ -84,20 +86,41 @@ def switches(
     costates : (N+1, nx) at the nodes
     parameters, functions : as for ``segment_error``
     """
-    changes: list[_Change] = []
-    for column in range(problem.nu):
-        lower, upper = problem.control_lower[column], problem.control_upper[column]
-        if np.isfinite(lower) and np.isfinite(upper) and upper > lower:
-            changes += _changes(trajectory, column, float(lower), float(upper))
+    changes = _all_changes(problem, trajectory)
     if not changes:
         return []
     motion = Motion(problem, trajectory, parameters, functions)
     places = _zeros(motion, costates, functions, changes)
     found = [
-        Switch(c.control, float(place), (min(c.held, c.free), max(c.held, c.free)), c.jump)
+        Switch(c.control, float(place), c.bracket, c.jump)
         for c, place in zip(changes, places, strict=True)
     ]
     return sorted(found, key=lambda switch: switch.place)
+
+
+def smeared(problem: Problem, trajectory: Trajectory) -> Array:
+    """Return (N,) over which share of the horizon a jump that meets a segment is spread.
+
+    Controls that are polynomials need a segment, or more, to get from one bound to the other. The
+    equations of motion do not mind, the objective does.
+    """
+    nodes = _shares(trajectory)
+    result = np.zeros(len(nodes) - 1)
+    for change in _all_changes(problem, trajectory):
+        low, high = change.bracket
+        if change.jump and high > low:
+            meets = (nodes[:-1] < high - 1e-12) & (nodes[1:] > low + 1e-12)
+            result[meets] = np.maximum(result[meets], high - low)
+    return result
+
+
+def _all_changes(problem: Problem, trajectory: Trajectory) -> list[_Change]:
+    changes: list[_Change] = []
+    for column in range(problem.nu):
+        lower, upper = problem.control_lower[column], problem.control_upper[column]
+        if np.isfinite(lower) and np.isfinite(upper) and upper > lower:
+            changes += _changes(trajectory, column, float(lower), float(upper))
+    return changes
 
 
 def _changes(trajectory: Trajectory, column: int, lower: float, upper: float) -> list[_Change]:
@@ -112,9 +135,10 @@ def _changes(trajectory: Trajectory, column: int, lower: float, upper: float) ->
     def let_go(edge: int, step: int, end: int, jump: bool) -> None:
         bound = upper if held[edge] > 0 else lower
         guess = _impulse(tau, share, edge, end) if jump else 0.5 * (tau[edge] + tau[edge + step])
-        found.append(
-            _Change(column, bound, float(tau[edge]), float(tau[edge + step]), float(guess), jump)
-        )
+        here, there = float(tau[edge]), float(tau[edge + step])
+        across = float(tau[end]) if jump else there
+        bracket = min(here, across), max(here, across)
+        found.append(_Change(column, bound, here, there, float(guess), jump, bracket))
 
     for a, b in pairwise(places):
         jump = bool(held[a] != held[b] and _crossed(nodes, tau[a], tau[b]) <= QUICK)
@@ -131,15 +155,17 @@ def _changes(trajectory: Trajectory, column: int, lower: float, upper: float) ->
 def _in_time(trajectory: Trajectory, column: int) -> tuple[Array, Array]:
     """Return places (M,) as shares of the horizon and the control's values there.
 
-    A held control has its value in the middle of its segment; a node's value that both segments
+    A held control has its value at both ends of its segment; a node's value that both segments
     share counts once.
     """
     inside = trajectory.segments
     assert inside is not None
     nodes = _shares(trajectory)
-    points = inside.control_points if len(inside.control_points) > 1 else np.array([0.5])
+    points, values = inside.control_points, inside.control_values[:, :, column]
+    if len(points) == 1:
+        points, values = np.array([0.0, 1.0]), np.repeat(values, 2, axis=1)
     tau = (nodes[:-1, None] + np.diff(nodes)[:, None] * points).ravel()
-    values = inside.control_values[:, :, column].ravel()
+    values = values.ravel()
     apart = np.append(np.diff(tau) > 1e-12, True)
     equal = np.append(np.abs(np.diff(values)) <= 1e-9 * (1 + np.abs(values[1:])), False)
     keep = apart | ~equal
