@@ -131,7 +131,9 @@ def test_schema_prints_the_schema() -> None:
     assert json.loads(run("schema").stdout) == missions.json_schema()
 
 
-@pytest.mark.parametrize("command", ["solve", "lint", "verify", "doctor", "missions", "vehicles"])
+@pytest.mark.parametrize(
+    "command", ["solve", "lint", "verify", "doctor", "missions", "vehicles", "schemes"]
+)
 def test_every_command_has_help(command: str) -> None:
     result = run(command, "--help")
     assert result.exit_code == 0

@@ -14,6 +14,7 @@ from skyknot.cli.doctor import doctor
 from skyknot.cli.exits import Exit
 from skyknot.cli.exporting import export
 from skyknot.cli.listing import missions, schema, vehicles
+from skyknot.cli.scheme_list import schemes
 from skyknot.cli.solving import solve
 from skyknot.version import __version__
 
@@ -58,7 +59,19 @@ def about(
     """
 
 
-for _command in (solve, lint, verify, export, missions, vehicles, schema, paper, doctor, bench):
+for _command in (
+    solve,
+    lint,
+    verify,
+    export,
+    missions,
+    vehicles,
+    schemes,
+    schema,
+    paper,
+    doctor,
+    bench,
+):
     app.command()(_command)
 
 
