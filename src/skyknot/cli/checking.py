@@ -9,11 +9,10 @@ import typer
 
 from skyknot import missions
 from skyknot.cli.exits import Exit, command, print_json
-from skyknot.cli.run_folder import check_run
+from skyknot.cli.run_folder import read_run
 from skyknot.cli.solving import JsonOption, MissionArgument, certified, solve_arguments
 from skyknot.missions import Mission
 from skyknot.missions.placement import shortest_time
-from skyknot.storage import load
 
 
 @command
@@ -53,9 +52,7 @@ def verify(
 
     Exit status: 0 certified, 2 not a run, 4 not certified.
     """
-    check_run(folder)
-    mission = missions.load(folder / "mission.toml", vehicle=folder / "vehicle.toml")
-    certificate = certified(mission, load(folder / "solution.npz"))
+    certificate = certified(*read_run(folder))
     status = Exit.GOOD if certificate.passed else Exit.NOT_CERTIFIED
     if as_json:
         print_json(certificate.as_dict() | {"exit_status": int(status)})

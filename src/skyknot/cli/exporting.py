@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from skyknot import missions
 from skyknot.cli.exits import Exit, command, print_json
-from skyknot.cli.run_folder import check_run
+from skyknot.cli.run_folder import read_run
 from skyknot.cli.solving import JsonOption, certified
 from skyknot.errors import UserError
 from skyknot.export import FORMATS, format_named, uncertified_because, write_export
-from skyknot.missions import Mission
 from skyknot.solution import Solution
-from skyknot.storage import load
-from skyknot.verification import Certificate
 
 RunArgument = Annotated[
     Path, typer.Argument(metavar="RUN", help="Folder that 'solve --out' wrote.")
@@ -66,7 +62,8 @@ def export(
     Exit status: 0 written, 2 a mistake in the input, 3 not solved, 4 not certified.
     """
     wanted = format_named(to)
-    mission, solution, certificate = opened(run)
+    mission, solution = read_run(run)
+    certificate = certified(mission, solution) if solution.success else None
     failing = uncertified_because(solution, certificate)
     if failing and not uncertified:
         return _refused(run, solution, failing, as_json=as_json)
@@ -90,20 +87,6 @@ def export(
     else:
         typer.echo(sentence)
     return Exit.GOOD
-
-
-def opened(run: Path) -> tuple[Mission, Solution, Certificate | None]:
-    """Return mission, solution with its problem, and a new certificate (None if not solved).
-
-    Raises
-    ------
-    UserError
-        When the folder is not that of a run.
-    """
-    check_run(run)
-    mission = missions.load(run / "mission.toml", vehicle=run / "vehicle.toml")
-    solution = replace(load(run / "solution.npz"), problem=mission.problem)
-    return mission, solution, certified(mission, solution) if solution.success else None
 
 
 def _refused(run: Path, solution: Solution, failing: str, *, as_json: bool) -> Exit:

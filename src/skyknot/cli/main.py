@@ -14,6 +14,7 @@ from skyknot.cli.doctor import doctor
 from skyknot.cli.exits import Exit
 from skyknot.cli.exporting import export
 from skyknot.cli.listing import missions, schema, vehicles
+from skyknot.cli.plotting import plot
 from skyknot.cli.scheme_list import schemes
 from skyknot.cli.solving import solve
 from skyknot.version import __version__
@@ -64,6 +65,7 @@ for _command in (
     lint,
     verify,
     export,
+    plot,
     missions,
     vehicles,
     schemes,

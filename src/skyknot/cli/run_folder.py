@@ -6,17 +6,18 @@ import json
 import os
 import shutil
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+from skyknot import missions
 from skyknot.cli.exits import finite
 from skyknot.errors import UserError
 from skyknot.missions import Mission
 from skyknot.missions.vehicle_text import vehicle_text
 from skyknot.report import save_figures, write_report
 from skyknot.solution import Solution
-from skyknot.storage import write_csv
+from skyknot.storage import load, write_csv
 from skyknot.verification import Certificate
 
 RUN_FILE = "run.json"
@@ -48,6 +49,19 @@ def check_run(folder: Path) -> None:
             expected="a folder written by 'skyknot solve MISSION --out DIR'",
             do="Check the path, or solve the mission with --out.",
         )
+
+
+def read_run(folder: Path) -> tuple[Mission, Solution]:
+    """Return the mission of a run and its solution, which carries its problem.
+
+    Raises
+    ------
+    UserError
+        When the folder is not that of a run, or damaged.
+    """
+    check_run(folder)
+    mission = missions.load(folder / "mission.toml", vehicle=folder / "vehicle.toml")
+    return mission, replace(load(folder / "solution.npz"), problem=mission.problem)
 
 
 def write_run(
