@@ -31,6 +31,7 @@ EVERYTHING = {
     "dynamics between nodes",
     "open-loop flight",
     "arrival",
+    "saturation",
 }
 
 

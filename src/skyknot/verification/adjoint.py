@@ -79,9 +79,9 @@ class Adjoint:
         _, R = program.lagrangian.control_form(
             X, U, program.places.ravel(), np.repeat(self.share, s), p
         )
-        rooms = program.problem.control_upper - program.problem.control_lower
-        rooms = np.where(np.isfinite(rooms), rooms, np.maximum(np.ptp(U, axis=0), 1e-9))
-        curved = np.max(np.abs(np.einsum("pii->pi", R)), axis=0) * rooms**2 * program.duration
+        curved = (
+            np.max(np.abs(np.einsum("pii->pi", R)), axis=0) * program.rooms**2 * program.duration
+        )
         flat = ~(curved > FLAT * program.objective_size)
         names = zip(program.problem.control_names, flat, strict=True)
         return tuple(name for name, is_flat in names if is_flat)

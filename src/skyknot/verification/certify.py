@@ -8,6 +8,7 @@ from skyknot.problem.problem import Problem
 from skyknot.trajectory import Trajectory
 from skyknot.verification import (
     costates,
+    curvature,
     ends,
     flight,
     hamiltonian,
@@ -48,6 +49,8 @@ CHECKS: tuple[Callable[[Evidence, Limits], Check | None], ...] = (
     costates.transversality,
     hamiltonian.constancy,
     hamiltonian.minimum,
+    curvature.second_order,
+    room.saturation,
 )
 """All checks in the order of the table: what was asked, equations, between the nodes, flown."""
 
@@ -93,11 +96,13 @@ def _notes(evidence: Evidence) -> tuple[str, ...]:
     notes = []
     if adjoint is None:
         notes.append("Costates were not checked: the answer claims none.")
+    flat = ", ".join(adjoint.flat_controls) if adjoint is not None else ""
     if witness.gains is None:
         notes.append("Not flown with feedback: the solver gave no gains.")
-    elif adjoint is not None and adjoint.flat_controls:
-        flat = ", ".join(adjoint.flat_controls)
+    elif flat:
         notes.append(f"Not flown with feedback: the cost does not curve in {flat}.")
+    if flat:
+        notes.append(f"Second order was not judged: the cost does not curve in {flat}.")
     reason = hamiltonian.unjudged(evidence)
     if reason:
         notes.append(f"The minimum principle was not checked: {reason}.")

@@ -139,8 +139,8 @@ def _right_side(
     # CasADi reads matrices by columns: the arrays hold their transposes, row by row.
     fixed = [np.zeros(shape) for shape in ((2,), (d, nx), (m, nu), (nx, nu), (nx, nu))]
     for i, array in enumerate((state, time, *fixed)):
-        buffer.set_arg(i, memoryview(array.reshape(-1)))
-    buffer.set_res(0, memoryview(result))
+        buffer.set_arg(i, memoryview(array.reshape(-1)))  # type: ignore[arg-type]
+    buffer.set_res(0, memoryview(result))  # type: ignore[arg-type]
 
     def right_side(t: float, y: Array) -> Array:
         state[:] = y

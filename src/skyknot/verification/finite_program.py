@@ -120,6 +120,15 @@ class FiniteProgram:
         return self.lagrangian.end(self.trajectory.states[-1])
 
     @cached_property
+    def rooms(self) -> Array:
+        """(nu,) room of each control: between its bounds, else the largest of 1 and its range."""
+        p = self.problem
+        rooms = p.control_upper - p.control_lower
+        reached = np.ptp(self.values.reshape(-1, p.nu), axis=0)
+        given = np.isfinite(rooms) & (rooms > 0)
+        return np.where(given, np.where(given, rooms, 1.0), np.maximum(reached, 1.0))
+
+    @cached_property
     def objective(self) -> float:
         """Objective of the finite program."""
         return self.duration * float(np.sum(self.witness.weights * self.cost)) + self.end[0]

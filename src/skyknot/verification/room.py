@@ -12,6 +12,9 @@ from skyknot.verification.tolerances import Limits
 
 Array = NDArray[np.float64]
 
+AT_BOUND = 0.01
+"""Share of its room from a bound at which a control counts as saturated."""
+
 
 def state_bounds(evidence: Evidence, limits: Limits) -> Check | None:
     """Check the states at the nodes."""
@@ -97,6 +100,35 @@ def controls_between(evidence: Evidence, limits: Limits) -> Check | None:
         p.control_names,
         evidence.control_units,
         samples.times,
+    )
+
+
+def saturation(evidence: Evidence, _limits: Limits) -> Check | None:
+    """Tell how long the controls lie at their bounds; information, it cannot fail.
+
+    A control at its bound has nothing left against a gust.
+    """
+    p, samples = evidence.problem, evidence.samples
+    if not _any(p.control_lower, p.control_upper):
+        return None
+    gaps = np.minimum(samples.controls - p.control_lower, p.control_upper - samples.controls)
+    shares = gaps / _rooms(samples.controls, p.control_lower, p.control_upper)
+    weights = np.repeat(evidence.lengths, evidence.density)
+    at_bound = 100 * np.average(shares < AT_BOUND, axis=0, weights=weights)
+    kept = 100 * np.maximum(np.min(shares, axis=0), 0.0)
+    told = zip(p.control_names, at_bound, kept, strict=True)
+    return Check(
+        name="saturation",
+        value=float(np.max(at_bound)),
+        limit=100.0,
+        unit="%",
+        passed=True,
+        how=f"Share of the time that a control spends within {100 * AT_BOUND:g} % of its room from"
+        " a bound, sampled between the nodes; information, not a limit.",
+        worst=", ".join(
+            f"{name} {time:.2g} %" if time > 0 else f"{name} keeps {room:.2g} %"
+            for name, time, room in told
+        ),
     )
 
 
