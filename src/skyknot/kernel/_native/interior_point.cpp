@@ -14,7 +14,7 @@ double clock_seconds() {
 
 // Constants of the paper: (8) and (19)–(23), section 3.1.
 constexpr double kappa_epsilon = 10.0, kappa_mu = 0.2, theta_mu = 1.5, tau_min = 0.99, s_max = 100.0;
-constexpr double delta_first = 1e-4, delta_smallest = 1e-20, delta_largest = 1e20;
+constexpr double delta_first = 1e-2, delta_smallest = 1e-20, delta_largest = 1e20;
 // A regularisation above this was needed so clearly that the next try starts from a third of it.
 constexpr double delta_persistent = 0.1;
 constexpr double equality_weight = 1e10;

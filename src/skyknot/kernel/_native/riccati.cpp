@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "cholesky.hpp"
 #include "small_matrix.hpp"
 #include "transpose.hpp"
 
@@ -61,16 +62,12 @@ bool Riccati::factor_stage(int k) {
     for (int j = 0; j < nv; ++j)
         for (int i = 0; i < carried; ++i) Lk[j * wp + structure_.v_carried(i)] += M[j * sp + nx + i];
     double* inverse = inverse_.get() + k * vp;
-    for (int p = 0; p < nv; ++p) {
-        double* column = Lk + p * wp;
-        const int from = p / 8 * 8;
-        multiply_add(Lk + from, wp, Lk + p, wp, 1, column + from, wp, wp - from, p, 1, -1.0);
-        const double pivot = column[p];
-        if (!(pivot > 0.0) || !std::isfinite(pivot)) return false;
-        const double scale = 1.0 / std::sqrt(pivot);
-        inverse[p] = scale;
-        for (int r = from; r < wp; ++r) column[r] *= scale;
-        for (int r = from; r < p; ++r) column[r] = 0.0;
+    for (int p = 0; p < nv; p += 8) {
+        double* panel = Lk + p * wp + p;
+        const int rows = wp - p, count = std::min(8, nv - p);
+        multiply_add(Lk + p, wp, Lk + p, wp, 1, panel, wp, rows, p, count, -1.0);
+        if (!factor_panel(panel, wp, rows, count, inverse + p)) return false;
+        for (int j = 0; j < count; ++j) std::fill_n(Lk + (p + j) * wp, p, 0.0);
     }
     // P = C_ss − L_sv L_svᵀ: eight columns from their diagonal block down, mirrored to the right
     double* here = P(k);
