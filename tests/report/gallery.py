@@ -108,7 +108,8 @@ def flown_along(points, vehicle: str = "hummingbird", duration: float = 20.0) ->
     controls = np.tile(problem.vehicle.hover, (21, 1))
     names = problem.state_names, problem.control_names
     trajectory = Trajectory(t, states, controls, None, *names)
-    return replace(unsolved(), problem=problem, trajectory=trajectory)
+    costates = np.zeros_like(states)
+    return replace(unsolved(), problem=problem, trajectory=trajectory, costates=costates)
 
 
 SOLUTIONS = {

@@ -234,26 +234,13 @@ def _costs(file: MissionFile, vehicle: Vehicle, model: Model, target: Array) -> 
     return {"running_cost": running_cost, "terminal_cost": quadratic.terminal_cost}
 
 
-def hover_power(vehicle: Vehicle) -> float | None:
-    """Return shaft power in hover, kW: as known, else ideal by momentum theory, else None.
-
-    Ideal: P = W sqrt(W / (2 ρ A)) with ρ = 1.225 kg/m³ and A the area of all discs.
-    """
-    if vehicle.power is not None:
-        return vehicle.power.hover / 1e3
-    if vehicle.rotor_radius is None:
-        return None
-    area = vehicle.allocation.rotor_count * math.pi * vehicle.rotor_radius**2
-    return vehicle.weight * math.sqrt(vehicle.weight / (2 * 1.225 * area)) / 1e3
-
-
 def _power(vehicle: Vehicle, model: Model) -> Callable[[Any], Any]:
     """Return power [kW] of a control: hover power times (thrust / weight)^1.5, rotor by rotor.
 
     Momentum theory in hover gives thrust to the power 1.5; what forward flight saves and climbing
     costs is left out. A share of 1e-6 keeps it smooth at zero thrust.
     """
-    hover = hover_power(vehicle) or 0.0
+    hover = (vehicle.hover_power or 0.0) / 1e3
 
     def power(u: Any) -> Any:
         if isinstance(model, TranslationalYaw):

@@ -11,7 +11,6 @@ from typing import Any
 
 from skyknot.errors import UserError
 from skyknot.missions.formulation import (
-    hover_power,
     model_of,
     waypoint_name,
     waypoint_times,
@@ -163,7 +162,7 @@ def _check_objective_fits(source: MissionText, file: MissionFile, vehicle: Vehic
             "free = {lower = …, upper = …} [s]",
             "Let the horizon be free, or choose another objective.",
         )
-    if objective.kind == "energy" and hover_power(vehicle) is None:
+    if objective.kind == "energy" and vehicle.hover_power is None:
         raise refusal(
             source,
             ("objective", "kind"),

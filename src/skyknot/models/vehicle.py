@@ -37,6 +37,9 @@ KINDS = ("small", "passenger")
 NO_LIMITS = Limits()
 """What a vehicle of which no limits are known has."""
 
+AIR_DENSITY = 1.225
+"""At sea level in the standard atmosphere, kg/m³."""
+
 GUESS_TILT = float(np.deg2rad(30.0))
 """Tilt, rad, that the translational-yaw model plans with at most."""
 
@@ -148,6 +151,19 @@ class Vehicle:
     def thrust_to_weight(self) -> float:
         """Return the thrust of all rotors at their limit over the weight."""
         return self.allocation.rotor_count * self.thrust_max / self.weight
+
+    @property
+    def hover_power(self) -> float | None:
+        """Return shaft power in hover, W: as known, else ideal by momentum theory, else None.
+
+        Ideal: P = W sqrt(W / (2 ρ A)) with ρ = 1.225 kg/m³ and A the area of all discs.
+        """
+        if self.power is not None:
+            return self.power.hover
+        if self.rotor_radius is None:
+            return None
+        area = self.allocation.rotor_count * np.pi * self.rotor_radius**2
+        return float(self.weight * np.sqrt(self.weight / (2 * AIR_DENSITY * area)))
 
     @property
     def hover(self) -> Vector:

@@ -8,7 +8,14 @@ import numpy as np
 
 from skyknot.report import style
 from skyknot.report.base import Kind
-from skyknot.report.panels import grid_of_panels, shade, single, trace
+from skyknot.report.panels import (
+    FLOWN_WORDS,
+    grid_of_panels,
+    shade,
+    shade_arcs,
+    single,
+    trace,
+)
 from skyknot.report.reading import Line, Reading
 
 MOST_PANELS = 16
@@ -23,13 +30,14 @@ def draw_rotors(figure: Any, reading: Reading) -> str:
     for axes, line in zip(panels, lines, strict=True):
         trace(axes, line, style.BLUE)
         axes.axhline(hover, color=style.MUTED, linewidth=0.9, linestyle=(0, (1, 2)))
+        shade_arcs(axes, line)
     shade_all(panels, lines[0].lower, lines[0].upper)
     for i, (axes, line) in enumerate(zip(panels, lines, strict=True)):
         axes.set_title(_place(reading, i, line.label))
         axes.set_ylabel("thrust [N]" if i % 2 == 0 else "")
     return (
         f"Thrust of each rotor; its limits are {lines[0].lower:.3g} and {lines[0].upper:.3g} N"
-        f" (shaded beyond), dotted is hover.{_overload(lines)}"
+        f" (shaded beyond, and while one is active), dotted is hover.{_overload(lines)}"
     )
 
 
@@ -60,8 +68,8 @@ def draw_controls(figure: Any, reading: Reading) -> str:
     for axes, name in zip(grid_of_panels(figure, len(names)), names, strict=True):
         single(axes, reading.control_line(name))
     return (
-        "Controls as the scheme parametrises them; dots are nodes. Beyond the bounds is shaded,"
-        " where a bound comes close."
+        "Controls as the scheme parametrises them; dots are nodes. Shaded: beyond a bound that"
+        " comes close, and times when one is active."
     )
 
 
@@ -71,7 +79,8 @@ def draw_states(figure: Any, reading: Reading) -> str:
     for axes, name in zip(grid_of_panels(figure, len(names)), names, strict=True):
         single(axes, reading.state_line(name), style.GREEN)
     return (
-        "States over time by the scheme's own interpolant; dots are nodes. Beyond bounds: shaded."
+        "States over time by the scheme's own interpolant; dots are nodes. Shaded: beyond bounds,"
+        f" and times when one is active. {FLOWN_WORDS}"
     )
 
 

@@ -11,11 +11,15 @@ from matplotlib.figure import Figure
 
 from skyknot.errors import UserError
 from skyknot.report.actuation import CONTROLS_FIGURE, ROTORS_FIGURE, STATES_FIGURE
+from skyknot.report.along_the_way import CLEARANCE_FIGURE, LIMITS_FIGURE
 from skyknot.report.base import Kind
 from skyknot.report.comparison import COMPARISON_FIGURE
+from skyknot.report.costate_figure import COSTATES_FIGURE
+from skyknot.report.mesh_figure import MESH_FIGURE
 from skyknot.report.motion_figures import POSITION_FIGURE, VELOCITY_FIGURE
 from skyknot.report.overview import OVERVIEW_FIGURE
 from skyknot.report.path_figure import PATH_FIGURE
+from skyknot.report.power_figure import POWER_FIGURE
 from skyknot.report.progress import HISTORY_FIGURE
 from skyknot.report.reading import Reading
 from skyknot.report.style import styled
@@ -31,8 +35,13 @@ KINDS: dict[str, Kind] = {
         VELOCITY_FIGURE,
         ROTORS_FIGURE,
         CONTROLS_FIGURE,
-        COMPARISON_FIGURE,
+        POWER_FIGURE,
+        CLEARANCE_FIGURE,
+        LIMITS_FIGURE,
+        MESH_FIGURE,
         HISTORY_FIGURE,
+        COSTATES_FIGURE,
+        COMPARISON_FIGURE,
         OVERVIEW_FIGURE,
     )
 }

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from skyknot.report.base import Kind
-from skyknot.report.panels import overlay
+from skyknot.report.panels import FLOWN_WORDS, overlay
 from skyknot.report.reading import Reading
 
 POSITION, ATTITUDE = ("x", "y", "z"), ("phi", "theta", "psi")
 VELOCITY, BODY_RATES = ("vx", "vy", "vz"), ("p", "q", "r")
 
-DASHES = "dashed lines are bounds that come close."
+DASHES = f"dashed lines are bounds that come close, thick where they are active. {FLOWN_WORDS}"
 
 
 def draw_position(figure: Any, reading: Reading) -> str:

@@ -83,6 +83,9 @@ def _draw_line(figure: Any, axes: Any, scene: Scene) -> bool:
     hidden = scene.hidden(scene.path)[:-1]
     for run in runs(~hidden):
         axes.plot(*drawn[run.start : run.stop + 1].T, color=style.PAPER, linewidth=4.4)
+    flown = scene.stage.camera.project(scene.flown)
+    for run in runs(~scene.hidden(scene.flown)):
+        axes.plot(*flown[run].T, color=style.BLUE, linewidth=7.5, alpha=0.25)
     speed = scene.speed[:-1]
     colored = float(speed.max()) > STILL
     look: dict[str, Any] = {"colors": style.BLUE}
@@ -181,6 +184,8 @@ def _readable(factor: float) -> float:
 
 def _caption(scene: Scene, factor: float, colored: bool, bands: bool) -> str:
     parts = ["Path" + (", coloured by speed" if colored else "") + ", with its track on the ground"]
+    if len(scene.flown):
+        parts.append("wide and pale: the controls flown again, open loop")
     larger = f" {factor:g} times its size" if factor > 1 else " to scale"
     parts.append(f"the craft at time stamps,{larger}, front rotors orange")
     if scene.misses_by > 0.5 * factor * span(scene.reading.vehicle):

@@ -5,7 +5,7 @@ Legend: M dense times, N segments, nx states, nu controls.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -55,6 +55,7 @@ class Line:
     times, values : (M,) dense
     node_times, node_values : (N+1,) at the nodes
     lower, upper : bounds in the same unit, ±inf where free
+    flown : (M,) the same in the open-loop flight, NaN once lost; None where nothing is flown
     """
 
     label: str
@@ -65,6 +66,7 @@ class Line:
     node_values: Array
     lower: float
     upper: float
+    flown: Array | None = None
 
     @property
     def symbol(self) -> str:
@@ -136,7 +138,9 @@ class Reading:
         i = self.state_names.index(name)
         factor, unit, label = self.presented(name)
         low, high = self._bounds("state", i)
-        return self._line(label, unit, factor, self.states, self.trajectory.states, i, low, high)
+        line = self._line(label, unit, factor, self.states, self.trajectory.states, i, low, high)
+        flown = None if self.flown is None else factor * self.flown[:, i]
+        return replace(line, flown=flown)
 
     def control_line(self, name: str) -> Line:
         """Return a control over time."""
@@ -209,7 +213,8 @@ class Reading:
             factor * dense[:, column],
             self.trajectory.times,
             factor * nodes[:, column],
-            *ends,
+            ends[0],
+            ends[1],
         )
 
     def _names(self, kind: str) -> tuple[str, ...]:

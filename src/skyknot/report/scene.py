@@ -53,6 +53,17 @@ class Scene:
         """(SAMPLES, 3) m."""
         return self.place(self.states)
 
+    @cached_property
+    def flown(self) -> Array:
+        """(K, 3) the open-loop flight, m, as long as it stays on the stage; maybe empty."""
+        if self.reading.flown is None:
+            return np.zeros((0, 3))
+        flown = self.place(self.reading.flown)
+        low, high = self.stage.low - 1e-6, self.stage.high + 1e-6
+        low[2] -= 0.02 * (high[2] - low[2])  # a landing may end a little below the ground
+        gone = ~np.all((flown >= low) & (flown <= high), axis=1)  # true of NaN as well
+        return flown[: int(np.argmax(gone)) if np.any(gone) else None]
+
     def place(self, states: Array) -> Array:
         """Return positions (…, 3), east, north, up."""
         return east_north_up(self.reading.columns(states, "x", "y", "z"))
