@@ -15,6 +15,7 @@ class Status(StrEnum):
     TIME_LIMIT = "time limit"
     EVALUATION_ERROR = "evaluation error"
     STALLED = "stalled"
+    UNBOUNDED = "unbounded"
     INTERRUPTED = "interrupted"
     INACCURATE = "accuracy not reached"
 
@@ -59,6 +60,10 @@ _SENTENCES = {
     Status.STALLED: (
         "The steps became too small to make progress.",
         "Start from another guess, scale the problem, or loosen the tolerance.",
+    ),
+    Status.UNBOUNDED: (
+        "The objective falls without end: nothing in the problem holds it from below.",
+        "Bound the controls, the states or the horizon, or look for a sign error in the cost.",
     ),
     Status.INTERRUPTED: (
         "The solve was interrupted; the best iterate so far is returned.",

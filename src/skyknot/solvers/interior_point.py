@@ -27,6 +27,7 @@ _OUTCOMES = (
     Status.EVALUATION_ERROR,
     Status.STALLED,
     Status.INTERRUPTED,
+    Status.UNBOUNDED,
 )
 
 

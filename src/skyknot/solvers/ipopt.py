@@ -26,6 +26,7 @@ _STATUS = {
     "Maximum_Iterations_Exceeded": Status.ITERATION_LIMIT,
     "Maximum_CpuTime_Exceeded": Status.TIME_LIMIT,
     "Maximum_WallTime_Exceeded": Status.TIME_LIMIT,
+    "Diverging_Iterates": Status.UNBOUNDED,
     "Invalid_Number_Detected": Status.EVALUATION_ERROR,
     "User_Requested_Stop": Status.INTERRUPTED,
     "NonIpopt_Exception_Thrown": Status.INTERRUPTED,  # CasADi tells Ctrl-C this way

@@ -70,7 +70,7 @@ Outcome InteriorPoint::solve(const Settings& settings,
         if (!std::isfinite(e.total)) return Outcome::evaluation;
         const double acceptable = settings.tolerance * settings.acceptable_factor;
         if (iterations >= settings.max_iterations) return give_up(e, acceptable, Outcome::iterations);
-        if (diverging()) return Outcome::stalled;
+        if (diverging()) return Outcome::unbounded;
         if (seconds() > settings.max_seconds) return give_up(e, acceptable, Outcome::seconds);
         // ---- barrier --------------------------------------------------------------------
         while (update_barrier(e, floor)) {}

@@ -30,7 +30,17 @@ struct Settings {
 // What a restoration ends with.
 enum class Restored { yes, infeasible, failed };
 
-enum class Outcome { solved, acceptable, infeasible, iterations, seconds, evaluation, stalled, interrupted };
+enum class Outcome {
+    solved,
+    acceptable,
+    infeasible,
+    iterations,
+    seconds,
+    evaluation,
+    stalled,
+    interrupted,
+    unbounded
+};
 
 struct Record {
     double objective, primal, dual, barrier, step, regularisation;
