@@ -306,6 +306,13 @@ class Solution:
 
         return draw(self, kind)
 
+    def animate(self, path: str | Path) -> Path:
+        """Write a film of the flight, .gif or (where ffmpeg is installed) .mp4; return its path."""
+        from skyknot.report.animation import write_film  # room entered on request: matplotlib
+
+        written: Path = write_film(self, Path(path))
+        return written
+
     def export(self, path: str | Path, to: str | None = None, **options: Any) -> Any:
         """Write the flight for other programs; see ``skyknot.export.write_export``."""
         from skyknot.export import write_export  # room entered on request: it imports the formats
