@@ -12,6 +12,7 @@ import pytest
 import skyknot as sk
 from architecture.source_tree import module_name, python_files, room_of
 from architecture.test_arrows import ARROWS
+from skyknot.bench.observed_orders import QUANTITIES, cases
 from skyknot.export import FORMATS
 from skyknot.solvers import SOLVERS
 from skyknot.transcription import DOORS
@@ -54,6 +55,31 @@ def test_every_status_has_its_advice(status):
     assert any(f"`{status.value}`" in heading for heading in headings)
 
 
+def test_the_orders_of_the_schemes_page_are_claimed_and_measured():
+    """The page is made by measuring; tests/orders measures again. Here: it tells today's tables."""
+    page = (DOCS / "schemes.md").read_text(encoding="utf-8")
+    rows = {}
+    for line in page.splitlines():
+        words = [word.strip() for word in line.strip("|").split("|")]
+        if len(words) == 6 and words[0].strip("`") in DOORS and "/" in words[3]:
+            rows[tuple(words[:3])] = [column.split(" / ") for column in words[3:]]
+    assert len(rows) == len(cases())
+    for case in cases():
+        claimed, *measured = rows[f"`{case.scheme}`", str(case.points or "–"), case.controls]
+        orders = [str(getattr(case.claimed, name)) for name in QUANTITIES]
+        assert claimed == orders
+        for column in measured:
+            for found, order in zip(column, orders, strict=True):
+                assert found == "–" or float(found) > float(order) - 0.15
+
+
+def test_the_stability_table_is_what_the_tables_say():
+    make = runpy.run_path(str(DOCS / "make_schemes_page.py"))["stability"]
+    assert make() in (DOCS / "schemes.md").read_text(encoding="utf-8"), (
+        "run: python docs/make_schemes_page.py"
+    )
+
+
 @pytest.mark.parametrize("name", [*DOORS, *SOLVERS])
 def test_every_scheme_and_solver_has_its_line(name):
     page = (DOCS / "choosing.md").read_text(encoding="utf-8")
@@ -78,7 +104,9 @@ def test_the_architecture_draws_the_arrows_that_are_enforced():
 
 
 def test_pictures_are_shown_and_small():
-    shown = set(re.findall(r"docs/pictures/(\w+\.png)", (ROOT / "README.md").read_text()))
+    pages = [ROOT / "README.md", *DOCS.glob("*.md")]
+    texts = [page.read_text(encoding="utf-8") for page in pages]
+    shown = {name for text in texts for name in re.findall(r"pictures/(\w+\.png)", text)}
     pictures = {path.name: path for path in (DOCS / "pictures").glob("*.png")}
     assert shown == set(pictures)
     assert all(path.stat().st_size < LARGEST_PICTURE for path in pictures.values())

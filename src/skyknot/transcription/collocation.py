@@ -37,14 +37,15 @@ def lobatto(points: int) -> SchemeTable:
         When ``points`` is not a whole number from 2 to ``MOST_POINTS``.
     """
     c, b = quadrature.lobatto(_checked(points, 2))
+    # One control value at a node serves two stages, whose costates miss by O(h^(s−1)) on either
+    # side: states and costates feel the difference.
+    even = points + points % 2
     return _table(
         f"Lobatto, {points} points",
         c,
         b,
         order=2 * points - 2,
-        # One control value at a node serves two stages whose costates differ by O(h^(s−1)); where
-        # they lie on opposite sides, s even, the states feel it.
-        own=Orders(points + points % 2, points - 1, 2 * points - 2),
+        own=Orders(even, points - 1, even),
         broken=Orders(2 * points - 2, points - 1, 2 * points - 2),
         source="Hairer, Lubich & Wanner, Geometric Numerical Integration, II.1.4: Lobatto IIIA",
     )

@@ -69,10 +69,11 @@ def Lobatto(
     mesh: ArrayLike | None = None,
     **choices: str,
 ) -> Transcription:
-    """Return Legendre–Gauss–Lobatto collocation: order 2·points − 2, nodes shared by segments.
+    """Return Legendre–Gauss–Lobatto collocation, the nodes among its points.
 
     One segment of some tens of points is the global pseudospectral method; several make the hp
-    method. Two points are the trapezoid, three Hermite–Simpson.
+    method. Two points are the trapezoid, three Hermite–Simpson. Its order is 2·points − 2 with
+    discontinuous controls; continuity at the nodes lowers it to points, or one more where odd.
 
     Parameters
     ----------
