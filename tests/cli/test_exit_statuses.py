@@ -9,24 +9,55 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
+import skyknot as sk
 from skyknot import missions
 from skyknot.cli.main import app
+from skyknot.cli.solving import certified, exit_of, verdict
 from skyknot.missions.mission import FOLDER
 
 RUNNER = CliRunner()
-STATUS_OF = {"yaw_point_transfer": 0, "report_transfer": 4}
+VERDICTS = {
+    "yaw_point_transfer": (0, "Solved and certified"),
+    "report_transfer": (0, "Solved and certified"),
+    "report_transfer --accuracy off": (4, "Solved, not certified"),
+}
 
 
 def run(*arguments: str) -> Any:
     return RUNNER.invoke(app, list(arguments))
 
 
-@pytest.mark.parametrize(("name", "status"), STATUS_OF.items())
-def test_a_solved_mission_ends_by_its_certificate(name: str, status: int) -> None:
-    result = run("solve", name)
+@pytest.mark.parametrize("words", VERDICTS)
+def test_a_solved_mission_ends_by_its_certificate(words: str) -> None:
+    status, verdict = VERDICTS[words]
+    result = run("solve", *words.split())
     assert result.exit_code == status
-    words = "Solved and certified" if status == 0 else "Solved, not certified"
-    assert result.stdout.splitlines()[-1].startswith(words)
+    assert result.stdout.splitlines()[-1].startswith(verdict)
+
+
+def test_an_accuracy_out_of_reach_ends_with_4_and_says_so() -> None:
+    mission = missions.load("yaw_point_transfer")
+    settings = mission.settings() | {"accuracy": sk.Refinement(1e-9, rounds=1)}
+    solution = sk.solve(mission.problem, **settings)
+    certificate = certified(mission, solution)
+    assert certificate.passed
+    assert exit_of(solution, certificate) == 4
+    told = verdict(solution, certificate)
+    assert told.startswith("Solved, not as accurately as asked: Accuracy not reached")
+    assert "the limit of 1 meshes" in told
+
+
+def test_the_meshes_of_a_refinement_are_shown() -> None:
+    lines = run("solve", "report_transfer").stdout.splitlines()
+    head = next(i for i, line in enumerate(lines) if line.split()[:2] == ["mesh", "segments"])
+    first, second = lines[head + 1].split(), lines[head + 2].split()
+    assert first[:2] == ["1", "40"]
+    assert second[0] == "2"
+    assert float(second[3]) < float(first[3])
+
+
+def test_one_mesh_has_no_table_of_meshes() -> None:
+    assert "  segments  " not in run("solve", "yaw_point_transfer", "--accuracy", "off").stdout
 
 
 def test_an_unsolved_mission_ends_with_3_and_says_what_to_try(tmp_path: Path) -> None:
@@ -45,6 +76,9 @@ def test_an_unsolved_mission_ends_with_3_and_says_what_to_try(tmp_path: Path) ->
         ["solve", "report_transfer", "--solver", "no-such-solver"],
         ["solve", "report_transfer", "--segments", "0"],
         ["solve", "report_transfer", "--tolerance", "-1"],
+        ["solve", "report_transfer", "--accuracy", "fine"],
+        ["solve", "report_transfer", "--accuracy", "-1e-4"],
+        ["solve", "report_transfer", "--accuracy", "1e-30"],
         ["solve", "report_transfer", "--no-such-option"],
         ["solve"],
         ["verify", "no_such_folder"],
@@ -67,7 +101,8 @@ def test_json_is_one_object_and_nothing_else() -> None:
     assert answer["status"] == "solved"
     assert answer["certificate"]["passed"] is True
     assert answer["verdict"].startswith("Solved and certified")
-    assert answer["record"]["segments"] == 60
+    assert answer["record"]["accuracy"] == 1e-4
+    assert answer["record"]["rounds"][-1]["segments"] == answer["record"]["segments"]
 
 
 def test_json_of_an_unsolved_mission_has_no_certificate(tmp_path: Path) -> None:
@@ -88,10 +123,11 @@ def test_json_of_a_user_error_carries_its_five_parts() -> None:
 def test_options_of_the_command_line_replace_those_of_the_mission() -> None:
     result = run(
         *["solve", "yaw_point_transfer", "--segments", "20", "--solver", "ipopt"],
-        *["--tolerance", "1e-4", "--json"],
+        *["--tolerance", "1e-5", "--accuracy", "1e-3", "--json"],
     )
     record = json.loads(result.stdout)["record"]
-    assert (record["segments"], record["solver"], record["tolerance"]) == (20, "ipopt", 1e-4)
+    assert (record["solver"], record["tolerance"], record["accuracy"]) == ("ipopt", 1e-5, 1e-3)
+    assert record["rounds"][0]["segments"] == 20
 
 
 def test_verbose_shows_the_time_of_every_phase() -> None:

@@ -26,7 +26,7 @@ ENTRY = "from skyknot.cli.main import main; main()"
 def endless(tmp_path: Path) -> Path:
     """Return a mission whose solve outlasts the test: many segments, an unreachable tolerance."""
     text = (FOLDER / "minimum_time.toml").read_text(encoding="utf-8")
-    text = text.replace("segments = 100", "segments = 300")
+    text = text.replace("segments = 40", "segments = 300")
     path = tmp_path / "endless.toml"
     path.write_text(text.replace("tolerance = 1e-6", "tolerance = 1e-15"), encoding="utf-8")
     return path

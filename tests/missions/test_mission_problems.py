@@ -177,13 +177,18 @@ def test_settings_carry_what_the_mission_chooses_and_nothing_else() -> None:
         "transcription": {"scheme": "hermite-simpson", "segments": 40},
         "tolerance": 1e-6,
         "guess": None,
+        "accuracy": 1e-4,
     }
     chosen = missions.parse(
-        SOUND.replace("segments = 40", 'segments = 12\ncontrols = "linear"\nenforce = "nodes"')
+        SOUND.replace(
+            "segments = 40",
+            'segments = 12\ncontrols = "linear"\nenforce = "nodes"\naccuracy = "off"',
+        )
         + '[solver]\nname = "ipopt"\ntolerance = 1e-4\n[guess]\nkind = "flat"\n'
     ).settings()
     assert chosen["solver"] == "ipopt"
     assert chosen["tolerance"] == 1e-4
+    assert chosen["accuracy"] is None
     assert chosen["transcription"] == {
         "scheme": "hermite-simpson",
         "segments": 12,

@@ -19,7 +19,7 @@ FREE_END = {25: 114.223280, 50: 114.708332, 100: 115.179019, 200: 115.194267, 40
 
 def solved(name: str, segments: int = 100) -> sk.Solution:
     mission = missions.load(name)
-    settings = mission.settings() | {"solver": "ipopt"}
+    settings = mission.settings() | {"solver": "ipopt", "accuracy": None}
     settings["transcription"] = settings["transcription"] | {"segments": segments}
     return sk.solve(mission.problem, **settings)
 

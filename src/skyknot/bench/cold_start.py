@@ -11,12 +11,14 @@ SCRIPTS = {
     "own": """
 import skyknot as sk
 mission = sk.missions.load("report_transfer")
-assert sk.solve(mission.problem, **mission.settings()).success
+even = {"transcription": sk.HermiteSimpson(100), "accuracy": None}
+assert sk.solve(mission.problem, **(mission.settings() | even)).success
 """,
     "ipopt": """
 import skyknot as sk
 mission = sk.missions.load("report_transfer")
-assert sk.solve(mission.problem, **(mission.settings() | {"solver": "ipopt"})).success
+even = {"transcription": sk.HermiteSimpson(100), "accuracy": None, "solver": "ipopt"}
+assert sk.solve(mission.problem, **(mission.settings() | even)).success
 """,
     "fatrop": """
 from skyknot.bench.measurement import pose_of

@@ -62,11 +62,15 @@ class Contest:
         return self.timings[name].median / self.timings["own"].median
 
 
+SEGMENTS = {"city_hop": 140, "vertiport_hop": 150, "yaw_point_transfer": 60}
+"""Equal segments of a mission in a contest: one mesh for all contestants, without refinement."""
+
+
 def pose_of(mission: str, segments: int | None = None) -> Pose:
     """Return a library mission as contestants get it, on a mesh of its own or of ``segments``."""
     loaded = missions.load(mission)
     settings = loaded.settings()
-    choice = settings["transcription"] | ({} if segments is None else {"segments": segments})
+    choice = settings["transcription"] | {"segments": segments or SEGMENTS.get(mission, 100)}
     guess = loaded.guess or initial_guess(loaded.problem)[0]
     return Pose(loaded.problem, resolve_transcription(choice), guess, settings["tolerance"])
 

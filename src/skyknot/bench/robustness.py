@@ -98,7 +98,7 @@ class Case:
 def attempt(seed: int, solver: Solver) -> tuple[Attempt, Solution]:
     """Solve the mission of a seed with one solver, and judge the answer."""
     mission = random_mission(seed)
-    settings = mission.settings() | {"solver": solver}
+    settings = mission.settings() | {"solver": solver, "accuracy": None}
     began = time.perf_counter()
     solution = solve(mission.problem, **settings)
     seconds = time.perf_counter() - began

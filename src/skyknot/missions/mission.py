@@ -59,7 +59,8 @@ class Mission:
     def settings(self) -> dict[str, Any]:
         """Return the arguments of ``skyknot.solve`` besides the problem.
 
-        ``solver`` is among them only when the mission names one.
+        ``solver`` is among them only when the mission names one; ``accuracy`` is None when the
+        mission wants its first mesh alone.
         """
         scheme = self.file.scheme
         transcription: dict[str, Any] = {"scheme": scheme.name, "segments": scheme.segments}
@@ -71,6 +72,7 @@ class Mission:
             "transcription": transcription,
             "tolerance": self.file.solver.tolerance,
             "guess": self.guess,
+            "accuracy": None if scheme.accuracy == "off" else scheme.accuracy,
         }
         if self.file.solver.name is not None:
             settings["solver"] = self.file.solver.name

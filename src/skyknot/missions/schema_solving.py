@@ -17,7 +17,12 @@ class Scheme(Section):
 
     name: SCHEME_NAMES = Field(default="hermite-simpson", description="the transcription scheme")
     segments: Annotated[int, Field(ge=1, le=100_000)] = Field(
-        default=100, description="number of equal segments"
+        default=40, description="number of equal segments of the first mesh"
+    )
+    accuracy: Annotated[float, Field(ge=1e-10, lt=1)] | Literal["off"] = Field(
+        default=1e-4,
+        description="the mesh is refined until the error between the nodes, and that of the flight "
+        "open loop, is at most this share of the size of each state; 'off': the first mesh alone",
     )
     points: Annotated[int, Field(ge=1, le=200)] | None = Field(
         default=None,
