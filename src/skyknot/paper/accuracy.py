@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from skyknot.paper.base import Claim, Finding, Measure, Scale, judged, slope
+from skyknot.paper.base import Claim, Finding, Measure, Scale, judged, listed, slope
 from skyknot.paper.transfers import VEHICLE, report_flight, scheme, smooth_transfer, solved
 from skyknot.solution import Solution
 from skyknot.solve import resolve_transcription
@@ -53,9 +53,9 @@ def global_order(scale: Scale) -> Finding:
             Measure("order with active control bounds", -slope(bounded, rough)),
         ),
         how=(
-            f"Least-effort transfer of the 12-state craft without active bounds, N = {meshes},"
-            f" largest error of a state at the nodes against N = {finest}; the report's transfer"
-            f" with its bounds, N = {bounded} against N = {best}."
+            "Least-effort transfer of the 12-state craft without active bounds, N ="
+            f" {listed(meshes)}, largest error of a state at the nodes against N = {finest}; the"
+            f" report's transfer with its bounds, N = {listed(bounded)} against N = {best}."
         ),
         verdict=judged(abs(order - 3) < NEAR, order > 3),
         why=(

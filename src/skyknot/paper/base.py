@@ -135,9 +135,9 @@ class Finding:
         return cls(Claim(**claim), plain["data"])
 
 
-def written(value: float) -> str:
-    """Return a number in four digits, powers of ten without leading zeros."""
-    mantissa, _, exponent = f"{value:.4g}".replace("-", "−").partition("e")
+def written(value: float, digits: int = 4) -> str:
+    """Return a number for people, powers of ten without leading zeros."""
+    mantissa, _, exponent = f"{value:.{digits}g}".replace("-", "−").partition("e")
     power = exponent.replace("−0", "−").lstrip("+0")
     return f"{mantissa}e{power}" if exponent else mantissa
 
@@ -148,6 +148,11 @@ Experiment = Callable[[Scale], Finding]
 def judged(as_said: bool, in_changed_form: bool = False) -> str:
     """Return the verdict: as said, in a changed form, or not at all."""
     return HOLDS if as_said else CHANGED if in_changed_form else FAILS
+
+
+def listed(sizes: Sequence[float]) -> str:
+    """Return numbers in a row, for ``how``."""
+    return ", ".join(f"{size:g}" for size in sizes)
 
 
 def slope(sizes: Sequence[float], values: ArrayLike) -> float:

@@ -151,7 +151,7 @@ def optimality_after_iterations(scale: Scale) -> Finding:
             Measure("optimality error (20), structured", error),
             Measure("largest defect (19), structured", own.max_defect, "SI"),
             Measure("iterations, structured", own.iterations),
-            Measure("objective off Ipopt's, relative", apart),
+            Measure("objective off that of Ipopt, relative", apart),
             Measure("optimality error (20), with multipliers", _history(middle)["optimality"][-1]),
             Measure("iterations, with multipliers", middle.iterations),
         ),

@@ -10,75 +10,53 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from skyknot.paper.base import Finding, Scale
+from skyknot.paper.craft_drawing import draw_vehicle
+from skyknot.paper.flown_figures import draw_flown, draw_start
+from skyknot.paper.performance_figures import (
+    draw_convergence,
+    draw_growth,
+    draw_order,
+    draw_spread,
+)
 from skyknot.paper.schematics import draw_flow, draw_intervals
-from skyknot.paper.transfers import SEGMENTS, report_flight
+from skyknot.paper.transfers import SEGMENTS, descent_flight
 from skyknot.report import style
 from skyknot.report.figures import Illustration, illustrate
-from skyknot.report.progress import power_of_ten
 
 SIZE = (5.9, 4.3)
 """Width and height, inches."""
 
 Draw = Callable[[Any, dict[str, Finding]], str]
 
+SHOWN = {
+    4: ("position", "Trajectory after optimised control"),
+    5: ("rotors", "Rotor inputs over time"),
+    6: ("path", "The craft in space at time stamps"),
+    7: ("history", "Optimisation history"),
+    8: ("before_after", "Position and orientation, simulated before and after"),
+}
+"""Figures that kinds of the report room draw, of the projected gradient's flight."""
+
 
 def numbered_figures(findings: dict[str, Finding], scale: Scale) -> list[Illustration]:
-    """Return figures 2 to 11 and the stability region, with captions.
+    """Return figures 1 to 11, and those that the report lacks, with captions.
 
     Parameters
     ----------
     findings : by the name of their experiment
     scale : of the run; the flight drawn has that size
     """
-    flight = report_flight(scale.pick(50, SEGMENTS))
-    shown = {4: "position", 5: "rotors", 6: "path", 7: "history", 8: "before_after"}
+    flight = descent_flight(scale.pick(50, SEGMENTS))
     pictures = {
-        number: replace(illustrate(flight, kind), kind=f"figure-{number:02d}")
-        for number, kind in shown.items()
+        number: replace(illustrate(flight, kind), title=title)
+        for number, (kind, title) in SHOWN.items()
     }
-    pictures[9] = replace(illustrate(flight, "velocity"), kind="figure-09")
-    for number, (_, draw) in DRAWN.items():
-        pictures[number] = _drawn(number, draw, findings)
+    for number, (title, size, draw) in DRAWN.items():
+        pictures[number] = _drawn(title, size, draw, findings)
     return [
-        replace(pictures[number], title=f"Figure {number}. {TITLES[number]}")
-        for number in sorted(pictures)
+        replace(picture, kind=f"figure-{number:02d}", title=f"Figure {number}. {picture.title}")
+        for number, picture in sorted(pictures.items())
     ]
-
-
-def draw_order(figure: Any, findings: dict[str, Finding]) -> str:
-    """Draw figure 10: errors over the length of a segment, with the slopes said and measured."""
-    axes = _logarithmic(figure, "length h of a segment [s]", "largest error of a state [SI]")
-    lines = (("global_order", "global", style.BLUE), ("local_order", "one segment", style.GREEN))
-    for (name, label, color), order in zip(lines, (3, 4), strict=True):
-        data = findings[name].data
-        h, errors = np.array(data["h"]), np.array(data["errors"])
-        axes.plot(h, errors, "o-", color=color, label=f"{label}, measured")
-        said = errors[0] * (h / h[0]) ** order
-        axes.plot(h, said, linestyle=(0, (4, 2)), color=color, label=f"slope {order}, as said")
-    axes.legend(loc="lower right")
-    return (
-        "Error of the 12-state craft at the nodes of a smooth transfer, and of one segment, against"
-        " the slopes that the source report names. Both fall one order faster."
-    )
-
-
-def draw_convergence(figure: Any, findings: dict[str, Finding]) -> str:
-    """Draw figure 11: both errors over the iterations."""
-    data = findings["linear_then_superlinear"].data
-    axes = figure.subplots()
-    axes.set_yscale("log")
-    axes.yaxis.set_major_formatter(power_of_ten)
-    axes.plot(data["iteration"], data["defect"], "o-", color=style.BLUE, label="defect (19)")
-    axes.plot(
-        data["iteration"], data["optimality"], "s-", color=style.VERMILLION, label="optimality (20)"
-    )
-    axes.set_xlabel("iteration")
-    axes.set_ylabel("error")
-    axes.legend()
-    return (
-        "Largest defect and optimality error of the report's transfer at every iteration of the"
-        " interior point, to a tolerance of 1e-10."
-    )
 
 
 def draw_stability(figure: Any, findings: dict[str, Finding]) -> str:
@@ -102,45 +80,25 @@ def draw_stability(figure: Any, findings: dict[str, Finding]) -> str:
     )
 
 
-def _drawn(number: int, draw: Draw, findings: dict[str, Finding]) -> Illustration:
+def _drawn(
+    title: str, size: tuple[float, float], draw: Draw, findings: dict[str, Finding]
+) -> Illustration:
     with style.styled():
-        figure = Figure(figsize=SIZE, layout="constrained")
+        figure = Figure(figsize=size, layout="constrained")
         caption = draw(figure, findings)
-    return Illustration(f"figure-{number:02d}", TITLES[number], caption, figure)
+    return Illustration("", title, caption, figure)
 
 
-def _logarithmic(figure: Any, across: str, up: str) -> Any:
-    axes = figure.subplots()
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(power_of_ten)
-        axis.set_minor_formatter(lambda _value, _position: "")
-    axes.set_xlabel(across)
-    axes.set_ylabel(up)
-    return axes
-
-
-TITLES = {
-    2: "Hermite–Simpson collocation intervals",
-    3: "Flow of Algorithm 1",
-    4: "Trajectory after optimised control",
-    5: "Rotor inputs over time",
-    6: "The craft in space at time stamps",
-    7: "Optimisation history",
-    8: "Simulation before, trajectory after",
-    9: "Velocity of the optimised trajectory",
-    10: "Order of accuracy",
-    11: "Convergence of both errors",
-    12: "Stability region (not in the report)",
+DRAWN: dict[int, tuple[str, tuple[float, float], Draw]] = {
+    1: ("Optimal control of the craft", (5.9, 3.4), draw_vehicle),
+    2: ("Hermite–Simpson collocation intervals", SIZE, draw_intervals),
+    3: ("Flow of Algorithm 1", SIZE, draw_flow),
+    9: ("Position trajectory, optimised and flown", (5.9, 5.2), draw_flown),
+    10: ("Order of accuracy", SIZE, draw_order),
+    11: ("Convergence of both errors", SIZE, draw_convergence),
+    12: ("Stability region (drawn nowhere in the report)", SIZE, draw_stability),
+    13: ("What equal segments cannot see", (5.9, 5.4), draw_start),
+    14: ("Time per iteration over N (cited in the report, but lacking)", SIZE, draw_growth),
+    15: ("Spread over seeded transfers", SIZE, draw_spread),
 }
-"""Titles by the numbers of the source report."""
-
-DRAWN: dict[int, tuple[str, Draw]] = {
-    2: (TITLES[2], draw_intervals),
-    3: (TITLES[3], draw_flow),
-    10: (TITLES[10], draw_order),
-    11: (TITLES[11], draw_convergence),
-    12: (TITLES[12], draw_stability),
-}
-"""Figures that no kind of the report room draws."""
+"""Figures of this room: title, size in inches, and what draws them."""

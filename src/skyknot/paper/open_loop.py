@@ -10,12 +10,14 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from skyknot.paper.base import Claim, Finding, Measure, Scale, judged
+from skyknot.paper.base import Claim, Finding, Measure, Scale, judged, written
 from skyknot.paper.transfers import (
+    ACCURACY,
     GOAL,
     GRADING,
     SEGMENTS,
     graded_flight,
+    refined_flight,
     report_flight,
     state_at,
     transfer,
@@ -63,7 +65,8 @@ def forward_simulation(scale: Scale) -> Finding:
     counts = scale.pick((SEGMENTS, 400), (50, SEGMENTS, 200, 400, 800))
     equal = [flown("equal", report_flight(N)) for N in counts]
     at_size = equal[counts.index(SEGMENTS)]
-    refined = flown("graded", graded_flight(SEGMENTS))
+    graded = flown("graded", graded_flight(SEGMENTS))
+    refined = flown("refined", refined_flight())
     enough = [row.segments for row in equal if row.rms < SAID_RMS]
     claim = Claim(
         claim="Forward simulation",
@@ -71,33 +74,40 @@ def forward_simulation(scale: Scale) -> Finding:
         said="The flown trajectory follows the optimised one: e_RMS < 0.02.",
         measured=(
             *(Measure(f"e_RMS, N = {row.segments}, equal segments", row.rms) for row in equal),
-            Measure(f"e_RMS, N = {SEGMENTS}, graded towards the start", refined.rms),
+            Measure(f"e_RMS, N = {SEGMENTS}, graded towards the start", graded.rms),
+            Measure(f"e_RMS, refined by itself, N = {refined.segments}", refined.rms),
             Measure(f"miss at the end, N = {SEGMENTS}, equal", at_size.miss, "m"),
-            Measure(f"miss at the end, N = {SEGMENTS}, graded", refined.miss, "m"),
+            Measure(f"miss at the end, N = {SEGMENTS}, graded", graded.miss, "m"),
+            Measure("miss at the end, refined", refined.miss, "m"),
             Measure("first N of equal segments tried that keeps 0.02", min(enough, default=np.inf)),
         ),
         how=(
             "Controls of the report's transfer flown open loop from x(0) by DOP853 at 1e-9,"
             " restarted at every node; (26) over all twelve states in SI units. The graded mesh"
-            f" has its nodes at t_f (k/N)^{GRADING:g}, k = 0 … N: the same N = {SEGMENTS}."
+            f" has its nodes at t_f (k/N)^{GRADING:g}, k = 0 … N: the same N = {SEGMENTS};"
+            f" the refined one begins with {SEGMENTS // 4} segments and is asked for an accuracy of"
+            f" {ACCURACY:g}."
         ),
-        verdict=judged(at_size.rms < SAID_RMS, refined.rms < SAID_RMS),
+        verdict=judged(at_size.rms < SAID_RMS, max(graded.rms, refined.rms) < SAID_RMS),
         why=(
             "The optimum begins with full torque either way within tenths of a second, faster than"
             f" equal segments of {at_size.shortest:g} s resolve: the flight ends"
             f" {at_size.miss:.2g} m off. The same number of segments, dense at the start, keeps"
-            f" the claim: {refined.rms:.2g}."
+            f" the claim: {graded.rms:.2g}. A mesh that refines itself finds that out:"
+            f" {written(refined.rms, 2)}."
         ),
     )
     data = {
-        "rows": [asdict(row) for row in (*equal, refined)],
+        "rows": [asdict(row) for row in (*equal, graded, refined)],
         "paths": {
             "equal": _path(report_flight(SEGMENTS)),
             "graded": _path(graded_flight(SEGMENTS)),
+            "refined": _path(refined_flight()),
         },
         "starts": {
             "equal": _start(report_flight(SEGMENTS)),
             "graded": _start(graded_flight(SEGMENTS)),
+            "refined": _start(refined_flight()),
             "fine": _start(report_flight(counts[-1])),
         },
         "fine": counts[-1],

@@ -72,7 +72,7 @@ def write(directory: Path, findings: dict[str, Finding], scale: Scale) -> None:
     figures = numbered_figures(findings, scale)
     for picture in figures:
         write_bytes(directory / f"{picture.kind}.svg", rendered(picture.figure, "svg"))
-    page = claims_page([finding.claim for finding in findings.values()], figures, scale)
+    page = claims_page(findings, figures, scale)
     write_bytes(directory / "index.html", page.encode())
 
 

@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from matplotlib.patches import FancyBboxPatch
 
 from skyknot.paper.base import Finding
 from skyknot.paper.transfers import SEGMENTS, report_flight
@@ -15,15 +16,18 @@ SHOWN = 3
 """Segments drawn in figure 2."""
 
 STEPS = (
-    "start: z₀, α, most iterations",
-    "gradient ∇J(z)",
-    "z ← z − α ∇J(z)",
-    "project: u ← min(max(u, u_min), u_max)",
-    "defects c(z), equation (11)",
+    ("1, 2", "guess z₀, step α, most iterations; i ← 0"),
+    ("4", "gradient ∇J(z)"),
+    ("5", "z ← z − α ∇J(z)"),
+    ("6", "u ← min(max(u, u_min), u_max)"),
+    ("7", "defects c(z), equation (11)"),
+    ("3, 8", "‖c‖ < tolerance, or i = most?"),
+    ("13", "return z"),
 )
-"""Boxes of Algorithm 1 in order."""
+"""Lines and boxes of Algorithm 1 in order."""
 
-BOX: dict[str, Any] = {"boxstyle": "round,pad=0.5", "facecolor": style.GROUND}
+CENTRE, WIDE, HIGH = 0.42, 0.56, 0.095
+"""Place and size of the boxes, in shares of the figure."""
 
 
 def draw_intervals(figure: Any, _findings: dict[str, Finding]) -> str:
@@ -40,7 +44,7 @@ def draw_intervals(figure: Any, _findings: dict[str, Finding]) -> str:
     for t in times:
         axes.axvline(t, color=style.FAINT, linewidth=0.8)
     axes.set_xlabel("time [s]")
-    axes.set_ylabel("roll φ [rad]")
+    axes.set_ylabel("roll angle φ [rad]")
     axes.legend()
     return (
         f"The first {SHOWN} segments of the solved transfer, N = {SEGMENTS}: the defect (11) ties"
@@ -53,20 +57,32 @@ def draw_flow(figure: Any, _findings: dict[str, Finding]) -> str:
     axes = figure.subplots()
     axes.set_axis_off()
     axes.set_xlim(0, 1)
-    axes.set_ylim(-0.1, 1.05)
-    heights = np.linspace(0.97, 0.25, len(STEPS))
-    for height, text in zip(heights, STEPS, strict=True):
-        axes.text(0.4, height, text, ha="center", va="center", bbox=BOX)
-    ends = {"arrowstyle": "->", "color": style.MUTED}
+    axes.set_ylim(0, 1)
+    heights = np.linspace(0.94, 0.06, len(STEPS))
+    for (line, words), height in zip(STEPS, heights, strict=True):
+        box = FancyBboxPatch(
+            (CENTRE - WIDE / 2, height - HIGH / 2), WIDE, HIGH, facecolor=style.GROUND,
+            edgecolor=style.MUTED, boxstyle="round,pad=0,rounding_size=0.02",
+        )  # fmt: skip
+        axes.add_patch(box)
+        axes.text(CENTRE, height, words, ha="center", va="center")
+        axes.text(CENTRE - WIDE / 2 - 0.02, height, line, ha="right", va="center",
+                  color=style.MUTED)  # fmt: skip
     for above, below in pairwise(heights):
-        axes.annotate("", (0.4, below + 0.06), (0.4, above - 0.06), arrowprops=ends)
-    axes.text(0.4, 0.0, "‖c‖ < tolerance: return z", ha="center", va="center", bbox=BOX)
-    axes.annotate("", (0.4, 0.06), (0.4, heights[-1] - 0.06), arrowprops=ends)
-    back = [heights[-1], heights[-1], heights[1]]
-    axes.plot([0.62, 0.85, 0.85], back, color=style.MUTED, linewidth=1.0)
-    axes.annotate("", (0.57, heights[1]), (0.85, heights[1]), arrowprops=ends)
-    axes.text(0.88, 0.52, "not yet:\nnext i", ha="left", va="center", color=style.MUTED)
+        _arrow(axes, (CENTRE, above - HIGH / 2), (CENTRE, below + HIGH / 2))
+    edge, away = CENTRE + WIDE / 2, CENTRE + WIDE / 2 + 0.09
+    test, first = heights[-2], heights[1]
+    axes.plot([edge, away, away], [test, test, first], color=style.MUTED, linewidth=1.0)
+    _arrow(axes, (away, first), (edge, first))
+    axes.text(away + 0.015, 0.5 * (test + first), "no:\ni ← i + 1", va="center",
+              color=style.MUTED)  # fmt: skip
+    axes.text(CENTRE + 0.015, 0.5 * (heights[-1] + test), "yes", va="center", color=style.MUTED)
     return (
-        "Algorithm 1 as printed. Its step descends J without the defects, and only its stopping"
-        " test looks at them: it cannot be relied on to reach a flight."
+        "Algorithm 1 as printed, its line numbers at the left. The step descends J without the"
+        " defects; only the stopping test looks at them."
     )
+
+
+def _arrow(axes: Any, start: tuple[float, float], end: tuple[float, float]) -> None:
+    style_of_arrow = {"arrowstyle": "-|>", "color": style.MUTED, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", end, start, arrowprops=style_of_arrow)

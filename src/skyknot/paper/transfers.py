@@ -38,6 +38,9 @@ NEAREST, SEED = 0.3, 18
 GRADING = 2.0
 """Nodes of the graded mesh at t_f (k/N) to this power: dense where the flight begins."""
 
+ACCURACY = 1e-4
+"""Accuracy asked for where the mesh is refined: a share of each state's size."""
+
 Q = np.array([1, 1, 1, 0.2, 0.2, 0.2, 0.5, 0.5, 1, 0.05, 0.05, 0.05])
 R = np.array([0.02, 2, 2, 4])
 FINAL_SHARE = 100.0
@@ -191,6 +194,12 @@ def report_flight(segments: int = SEGMENTS) -> Solution:
 def graded_flight(segments: int = SEGMENTS) -> Solution:
     """Return the report's transfer on the graded mesh."""
     return solved(transfer(), graded(segments))
+
+
+@lru_cache(maxsize=1)
+def refined_flight() -> Solution:
+    """Return the report's transfer on a mesh refined to ``ACCURACY`` from a quarter of N."""
+    return solved(transfer(), SEGMENTS // 4, accuracy=ACCURACY)
 
 
 @lru_cache(maxsize=4)
