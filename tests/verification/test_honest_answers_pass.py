@@ -28,6 +28,7 @@ EVERYTHING = {
     "state bounds between nodes",
     "control bounds between nodes",
     "path between nodes",
+    "path guaranteed",
     "dynamics between nodes",
     "open-loop flight",
     "arrival",

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
 from skyknot.problem.problem import Parameters, Problem
-from skyknot.trajectory import SegmentData, Trajectory
-from skyknot.verification import polynomials
+from skyknot.trajectory import Trajectory
 from skyknot.verification.equations import clenshaw
 
 Array = NDArray[np.float64]
@@ -57,27 +56,20 @@ class Tracked:
     gains: Array
 
 
-def reference(
-    trajectory: Trajectory, inside: SegmentData, controls: Array, gains: Array
-) -> Tracked:
+def reference(trajectory: Trajectory, states: Array, controls: Array, gains: Array) -> Tracked:
     """Return what is tracked, with the gains held over the last part of the horizon.
 
     Parameters
     ----------
-    inside : what happens inside the segments
-    controls : (N, m, nu) Chebyshev coefficients
+    states, controls : (N, d, nx), (N, m, nu) Chebyshev coefficients
     gains : (N+1, nu, nx) at the nodes, or (N, nu, nx) of held controls
     """
     times = trajectory.times
-    h = np.diff(times)
-    slopes = polynomials.coefficients(inside.rate_points, inside.rates)
-    states = h[:, None, None] * polynomials.integrated(slopes)
-    states[:, 0] += trajectory.states[:-1]
     K = gains.copy()
     frozen = times[-1] - TIME_TO_GO * trajectory.duration
     last = max(int(np.searchsorted(times, frozen)) - 1, 0)
     K[last:] = K[last]
-    held = len(K) == len(h)
+    held = len(K) == len(times) - 1
     ends = np.stack([K, K] if held else [K[:-1], K[1:]], axis=1)
     return Tracked(times, states, controls, ends)
 

@@ -59,6 +59,22 @@ class Equations:
         """Return (M, ng) values of the point constraints."""
         return self._at(self.parametersoints, X, U, t)
 
+    def path_expression(self, index: int) -> tuple[Any, Any, Any]:
+        """Return x, t and the value of one path constraint that depends on states alone."""
+        p = self.problem
+        x, u, t = ca.SX.sym("x", p.nx), ca.SX.zeros(p.nu), ca.SX.sym("t")
+        function = p.path[index].function
+        return x, t, ca.SX(scalar(call(function, x, u, p=self.parameters, t=t)))
+
+    def state_jacobians(self, X: Array, U: Array, t: Array) -> Array:
+        """Return (M, nx, nx) ∂f/∂x at M states, controls and times."""
+        p, M = self.problem, len(t)
+        x, u, time = ca.SX.sym("x", p.nx), ca.SX.sym("u", p.nu), ca.SX.sym("t")
+        J = ca.jacobian(p.rates_of(x, u, self.parameters, time), x)
+        function = ca.Function("jacobian", [x, u, time], [ca.cse(ca.densify(J))])
+        found = np.asarray(function.map(M)(X.T, U.T, t[None, :]).full(), dtype=float)
+        return found.reshape(p.nx, M, p.nx).transpose(1, 0, 2)
+
     def flight(self, terms: int) -> tuple[Callable[[float, Array], Array], Array, Array]:
         """Return f(t, x) under a polynomial control, with the buffers that set the segment.
 

@@ -137,6 +137,15 @@ class Evidence:
         return polynomials.coefficients(self.segments.control_points, self.segments.control_values)
 
     @cached_property
+    def state_polynomials(self) -> Array:
+        """(N, d, nx) Chebyshev coefficients of the states: integrals of the stored rates."""
+        inside = self.segments
+        slopes = polynomials.coefficients(inside.rate_points, inside.rates)
+        result: Array = self.lengths[:, None, None] * polynomials.integrated(slopes)
+        result[:, 0] += self.trajectory.states[:-1]
+        return result
+
+    @cached_property
     def stage_rates(self) -> Array:
         """(N, s, nx) dx/dt by the equations at the rate points, at the states solved for there."""
         points, h = self.segments.rate_points, self.lengths
@@ -179,7 +188,7 @@ class Evidence:
             return None
         p, begin = self.problem, closed_loop.starts(self.trajectory.states)
         reference = closed_loop.reference(
-            self.trajectory, self.segments, self.control_polynomials, gains
+            self.trajectory, self.state_polynomials, self.control_polynomials, gains
         )
         return closed_loop.track(p, self.equations.parameters, reference, begin)
 

@@ -78,7 +78,7 @@ def states_between(evidence: Evidence, limits: Limits) -> Check | None:
         "state bounds between nodes",
         f"Peak excess of the interpolated states over {evidence.density} samples in every segment.",
         outside(samples.states, p.state_lower, p.state_upper),
-        _allowed(samples.states, p.state_lower, p.state_upper, evidence.state_units, limits),
+        allowances(samples.states, p.state_lower, p.state_upper, evidence.state_units, limits),
         p.state_names,
         evidence.state_units,
         samples.times,
@@ -144,7 +144,7 @@ def path_between(evidence: Evidence, limits: Limits) -> Check | None:
     units = tuple(entry.unit for entry in entries)
     excess = outside(samples.path, lower, upper)
     actuated = evidence.equations.path_uses_controls
-    allowed = _allowed(samples.path, lower, upper, units, limits)
+    allowed = allowances(samples.path, lower, upper, units, limits)
     impulse = limits.control_excess * _rooms(samples.path, lower, upper)
     return worst_of(
         "path between nodes",
@@ -173,9 +173,10 @@ def _rooms(values: Array, lower: Array, upper: Array) -> Array:
     return result
 
 
-def _allowed(
+def allowances(
     values: Array, lower: Array, upper: Array, units: tuple[str, ...], limits: Limits
 ) -> Array:
+    """Return (n,) what each quantity may pass its bounds by between nodes, in its unit."""
     lengths = np.array([unit == "m" for unit in units])
     shares: Array = limits.between_nodes * _rooms(values, lower, upper)
     return np.where(lengths, limits.clearance, shares)
