@@ -108,8 +108,8 @@ def _turn(axes: Any, centre: tuple[float, float], radius: float, clockwise: bool
     """Draw an arc with an arrow head: how a rotor turns, seen from above."""
     angles = np.deg2rad(np.linspace(150, 30, 30) if clockwise else np.linspace(30, 150, 30))
     x, y = centre[0] + radius * np.cos(angles), centre[1] + radius * np.sin(angles)
-    axes.plot(x, y, color=style.MUTED, linewidth=1.2)
+    axes.plot(x, y, color=style.MUTED, linewidth=1.2, zorder=3)
     axes.add_patch(
         FancyArrowPatch((x[-2], y[-2]), (x[-1], y[-1]), arrowstyle="-|>", mutation_scale=9,
-                        color=style.MUTED)
+                        color=style.MUTED, zorder=3)
     )  # fmt: skip
