@@ -250,8 +250,9 @@ class Solution:
                 "This solution carries no feedback gains.",
                 where="solution.feedback",
                 found=f"solver '{self.record.solver}'",
-                expected="a solver with a Riccati factorisation",
-                do="Solve with a solver that gives gains, or design them from the trajectory.",
+                expected="a solver with a Riccati factorisation, and more than one long segment",
+                do="Solve with the interior point on several segments, not Radau with linear"
+                " controls; or design gains from the trajectory.",
             )
         t = np.asarray(t, dtype=float)
         k = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)

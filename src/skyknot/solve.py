@@ -28,7 +28,7 @@ from skyknot.trajectory import Trajectory
 from skyknot.transcription import DOORS, Transcription
 from skyknot.transcription.inheritance import inherited
 from skyknot.transcription.pointwise import PointFunctions
-from skyknot.transcription.recover import multipliers_from, recover, same_unknowns
+from skyknot.transcription.recover import feedback_gains, multipliers_from, recover, same_unknowns
 from skyknot.transcription.refinement import Refinement
 from skyknot.transcription.testimony import testimony
 from skyknot.version import __version__
@@ -210,7 +210,7 @@ def _solved(
             work=result.work,
         ),
         problem=problem,
-        gains=result.gains,
+        gains=feedback_gains(program, result.gains),
         witness=testimony(program, scheme.table.points, result.multipliers),
     )
 
@@ -232,7 +232,7 @@ def resolve_transcription(choice: Transcription | Mapping[str, Any] | str) -> Tr
             "The transcription has a setting that its scheme does not know.",
             where="transcription",
             found=str(error),
-            expected="segments, mesh, controls, form, enforce or objective",
+            expected="segments, mesh, points, controls, form, enforce or objective",
             do="Check the spelling, or leave the setting out.",
         ) from error
 

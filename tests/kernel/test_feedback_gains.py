@@ -34,6 +34,10 @@ SCHEMES = [
     (sk.HermiteSimpson, {"controls": "hold"}, 1, 0.1),
     (sk.Trapezoid, {"controls": "linear"}, 1, 0.1),
     (sk.Euler, {}, 1, 0.1),
+    (sk.Lobatto, {"points": 4}, 3, 1e-5),
+    (sk.Lobatto, {"points": 5, "controls": "discontinuous"}, 4, 1e-7),
+    (sk.Chebyshev, {"points": 5}, 2, 1e-3),
+    (sk.Radau, {"points": 3}, 1, 0.02),
 ]
 
 
@@ -52,6 +56,14 @@ def test_gains_between_nodes_follow_the_control_parametrisation() -> None:
     linear = sk.solve(problem, sk.Trapezoid(10))
     middle = 0.5 * (linear.gains[1] + linear.gains[2])
     np.testing.assert_allclose(linear.feedback(0.3), middle, rtol=1e-12)
+
+
+@pytest.mark.parametrize("scheme", [sk.Lobatto(1, 12), sk.Radau(10, 3, controls="linear")])
+def test_gains_that_would_mislead_are_not_offered(scheme):
+    solution = sk.solve(regulator(A, B, Q, R, X0, T, ONE), scheme)
+    with pytest.raises(sk.UserError, match="no feedback gains") as caught:
+        solution.feedback(0.0)
+    assert "several segments" in caught.value.do
 
 
 def scaled_regulator(state_scales, control_scales) -> sk.Problem:

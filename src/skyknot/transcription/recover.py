@@ -91,6 +91,21 @@ def _segment_partial(
     return partial + program.segment_cost[:, j, None] * values.JL[rows][:, :nx]
 
 
+def feedback_gains(program: Program, gains: Array | None) -> Array | None:
+    """Return the solver's gains where they tell K(t), else None.
+
+    They stand at the nodes: one long segment has none to tell of in between. And where segments
+    share the control of a node that only the one behind collocates (Radau with a linear control),
+    what lies ahead of the node does not see its control as the optimum does.
+    """
+    if gains is None or (program.segments == 1 and program.C.shape[1] > 3):
+        return None
+    first, last = (
+        np.any(program.A[:, program.used == j] != 0) for j in (0, program.C.shape[1] - 1)
+    )
+    return None if program.shared and last and not first else gains
+
+
 @dataclass(frozen=True)
 class Recovered:
     """Everything a solution tells about z, in the user's units.
