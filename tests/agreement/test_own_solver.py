@@ -48,6 +48,21 @@ def test_both_solvers_agree_on_the_classics(make, controls: str) -> None:
     assert ours.objective == pytest.approx(theirs.objective, rel=1e-6, abs=1e-6)
 
 
+@pytest.mark.parametrize("make", CLASSICS)
+@pytest.mark.parametrize(
+    "scheme",
+    [sk.Lobatto(8, 5), sk.Radau(8, 4), sk.Chebyshev(8, 5), sk.Lobatto(1, 14)],
+    ids=["lobatto", "radau", "chebyshev", "one segment"],
+)
+def test_both_solvers_agree_on_the_classics_with_longer_segments(make, scheme) -> None:
+    reference = make()
+    settings = {"guess": reference.guess, "tolerance": 1e-8}
+    ours = sk.solve(reference.problem, scheme, solver="interior-point", **settings)
+    theirs = sk.solve(reference.problem, scheme, solver="ipopt", **settings)
+    assert ours.success, ours.message
+    assert ours.objective == pytest.approx(theirs.objective, rel=1e-6, abs=1e-6)
+
+
 def test_a_path_constraint_active_at_a_fixed_end_needs_no_interior() -> None:
     problem = sk.Problem(
         "climb from the floor",

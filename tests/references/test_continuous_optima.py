@@ -136,3 +136,39 @@ def test_the_first_costate_is_the_slope_of_the_optimum():
         for d in step * np.eye(2)
     ]
     np.testing.assert_allclose(here, slopes, rtol=1e-6)
+
+
+SPECTRAL = {
+    "hager": (sk.Lobatto(1, 16), 1e-13),
+    "garg": (sk.Lobatto(1, 28), 1e-13),
+    "minimum_energy": (sk.Radau(1, 4), 1e-13),
+    "brachistochrone": (sk.Lobatto(1, 16), 1e-12),
+    "steering": (sk.Radau(4, 12), 1e-9),
+    "cart_pole": (sk.Lobatto(20, 9), 1e-10),
+    "quadrotor_transfer": (sk.Lobatto(10, 9), 1e-10),
+}
+
+
+@pytest.mark.parametrize("name", SPECTRAL)
+def test_a_few_long_segments_reach_the_smooth_optima(name):
+    reference, (scheme, limit) = getattr(problems, name)(), SPECTRAL[name]
+    solution = sk.solve(reference.problem, scheme, guess=reference.guess, tolerance=1e-11)
+    assert solution.success, solution.message
+    assert solution.objective == pytest.approx(reference.optimum, rel=limit, abs=limit)
+
+
+@pytest.mark.parametrize(
+    "scheme",
+    [
+        sk.Lobatto(mesh=[0, 2 / 3, 1], points=3, controls="discontinuous"),
+        sk.Radau(mesh=[0, 2 / 3, 1], points=2),
+    ],
+)
+def test_a_node_on_the_switch_makes_bang_bang_exact_where_controls_may_jump(scheme):
+    reference = problems.minimum_time()
+    solution = sk.solve(reference.problem, scheme, tolerance=1e-11)
+    assert solution.objective == pytest.approx(reference.optimum, rel=1e-8)
+    # Lobatto's two values on the switch count alike there: only their sum is fixed.
+    if scheme.table.points[scheme.table.used[0]] > 0:
+        jump = solution.control(solution.times[1] + np.array([-1e-6, 1e-6]))[:, 0]
+        assert jump == pytest.approx([1.0, -2.0], abs=1e-5)
