@@ -145,7 +145,7 @@ SPECTRAL = {
     "brachistochrone": (sk.Lobatto(1, 16), 1e-12),
     "steering": (sk.Radau(4, 12), 1e-9),
     "cart_pole": (sk.Lobatto(20, 9), 1e-10),
-    "quadrotor_transfer": (sk.Lobatto(10, 9), 1e-10),
+    "quadrotor_transfer": (sk.Lobatto(10, 9), 5e-10),
 }
 
 
