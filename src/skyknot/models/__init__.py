@@ -5,6 +5,7 @@ from skyknot.models.base import Model
 from skyknot.models.flatness import lift
 from skyknot.models.limits import HoverPower, Limits, WrenchLimits
 from skyknot.models.quadrotor import Quadrotor
+from skyknot.models.reduced_path import lifted_path
 from skyknot.models.rotor_quadrotor import RotorQuadrotor
 from skyknot.models.translational_yaw import TranslationalYaw
 from skyknot.models.vehicle import Vehicle
@@ -20,4 +21,5 @@ __all__ = [
     "Vehicle",
     "WrenchLimits",
     "lift",
+    "lifted_path",
 ]

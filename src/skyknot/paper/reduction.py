@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline, make_lsq_spline
 
 from skyknot.errors import UserError
-from skyknot.models import lift
+from skyknot.models import lifted_path
+from skyknot.models.reduced_path import DEGREE, PIECE
 from skyknot.paper.base import Claim, Finding, Measure, Scale, judged
 from skyknot.paper.transfers import (
     FINAL_SHARE,
@@ -40,9 +40,6 @@ SAID_SAVING, SAID_SECONDS, SAID_LOSS = 0.67, 5.0, 0.04
 SOLVER = "projected-gradient"
 FEASIBLE = 1e-3
 """A start this near to the one given counts as it, in SI units."""
-
-DEGREE, PIECE = 7, 0.5
-"""Degree of the splines (snap is continuous) and length of their pieces, s."""
 
 
 def reduced_order(scale: Scale) -> Finding:
@@ -136,19 +133,10 @@ def compared(goal: Goal, segments: int) -> Compared:
 
 
 def lifted_trajectory(reduced: Solution) -> Trajectory:
-    """Return states (N+1, 12) and wrenches (N+1, 4) that fly the reduced model's path."""
-    times = reduced.times
-    dense = np.linspace(times[0], times[-1], 8 * len(times))
-    flat = reduced.state(dense)[:, [0, 1, 2, 6]]
-    inner = np.arange(times[0] + PIECE, times[-1] - PIECE / 2, PIECE)
-    knots = np.concatenate([[times[0]] * (DEGREE + 1), inner, [times[-1]] * (DEGREE + 1)])
-    spline: BSpline = make_lsq_spline(dense, flat, knots, k=DEGREE)
-    jets = [spline.derivative(order)(times) if order else spline(times) for order in range(5)]
-    states, controls = lift(
-        VEHICLE, *(jet[:, :3] for jet in jets), *(jet[:, 3] for jet in jets[:3])
-    )
+    """Return states (N+1, 12) and wrenches (N+1, 4), within their bounds, along a reduced path."""
+    lifted = lifted_path(VEHICLE, reduced.trajectory)
     lower, upper = VEHICLE.control_bounds
-    return Trajectory(times, states, np.clip(controls, lower, upper))
+    return Trajectory(lifted.times, lifted.states, np.clip(lifted.controls, lower, upper))
 
 
 def objective_along(trajectory: Trajectory, goal: Goal = GOAL) -> float:
