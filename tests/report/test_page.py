@@ -12,7 +12,8 @@ from gallery import SOLUTIONS, flight, rail, unsolved, without_problem
 
 from skyknot.errors import UserError
 from skyknot.report import kinds_of, write_report
-from skyknot.report.page import margin, report_page, verdict
+from skyknot.report.certificate_table import margin
+from skyknot.report.page import report_page, verdict
 from skyknot.report.problem_card import number, within
 from skyknot.verification import Certificate, Check, certify
 
@@ -174,6 +175,7 @@ def test_a_solution_from_a_file_gets_a_page_without_problem_or_certificate(tmp_p
     html = write_report(without_problem(), tmp_path / "page.html").read_text(encoding="utf-8")
     assert "The problem</h2>" not in html
     assert "The certificate</h2>" not in html
+    assert "What binds</h2>" not in html
     assert "not been checked" in html
 
 

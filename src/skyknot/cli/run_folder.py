@@ -12,10 +12,11 @@ from typing import Any
 
 from skyknot import missions
 from skyknot.cli.exits import finite
+from skyknot.cli.trials import tried
 from skyknot.errors import UserError
 from skyknot.missions import Mission
 from skyknot.missions.vehicle_text import vehicle_text
-from skyknot.report import save_figures, write_report
+from skyknot.report import Enclosure, save_figures, write_report
 from skyknot.solution import Solution
 from skyknot.storage import load, write_csv
 from skyknot.verification import Certificate
@@ -132,7 +133,13 @@ def _fill(
     if certificate is not None:
         _write_json(part / "certificate.json", certificate.as_dict())
     if outputs.report:
-        write_report(solution, part, certificate, mission.title, mission.guess, mission.file.wind)
+        enclosed = Enclosure(
+            mission.text,
+            vehicle_text(mission.vehicle),
+            mission.file.wind,
+            tried(solution, mission.settings() | {"solver": solution.record.solver}),
+        )
+        write_report(solution, part, certificate, mission.title, mission.guess, enclosed)
     if outputs.figures:
         save_figures(solution, part / "figures", mission.guess)
     _write_json(part / RUN_FILE, run_facts(mission, solution))

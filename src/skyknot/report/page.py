@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
 
+from skyknot.report.binding import bindings_of
+from skyknot.report.certificate_table import checks_list
+from skyknot.report.enclosure import NOTHING, Enclosure
 from skyknot.report.figures import illustrated, kinds_read, write_bytes
-from skyknot.report.problem_card import (
-    Rows,
-    headline_facts,
-    number,
-    problem_rows,
-    seconds,
-    solution_rows,
-)
+from skyknot.report.markup import anchor, card, mood, section
+from skyknot.report.problem_card import headline_facts, problem_rows, solution_rows
 from skyknot.report.reading import Reading
 from skyknot.report.replay import replay_element, script_elements, script_hashes
+from skyknot.report.reproduction import reproduction
 from skyknot.report.vector_image import inline_svg
+from skyknot.report.what_binds import binds_section
 from skyknot.solution import Solution
 from skyknot.trajectory import Trajectory
 
@@ -40,7 +38,7 @@ def write_report(
     certificate: Any = None,
     title: str | None = None,
     guess: Trajectory | None = None,
-    wind: Sequence[float] | None = None,
+    enclosed: Enclosure = NOTHING,
 ) -> Path:
     """Write the report and return its path.
 
@@ -51,7 +49,7 @@ def write_report(
     certificate : of this solution; made here when None and the solution carries its problem
     title : heading; the problem's name when None
     guess : where the search started, for the figure "before and after"
-    wind : north, east, down, m/s, for the replay
+    enclosed : mission file, wind, confirmed prices, companions, where there are any
 
     Raises
     ------
@@ -63,7 +61,7 @@ def write_report(
         target = target / FILE_NAME
     if certificate is None and solution.problem is not None:
         certificate = solution.verify()
-    write_bytes(target, report_page(solution, certificate, title, guess, wind).encode())
+    write_bytes(target, report_page(solution, certificate, title, guess, enclosed).encode())
     return target
 
 
@@ -72,22 +70,14 @@ def report_page(
     certificate: Any = None,
     title: str | None = None,
     guess: Trajectory | None = None,
-    wind: Sequence[float] | None = None,
+    enclosed: Enclosure = NOTHING,
 ) -> str:
     """Return the report as HTML; parameters as for ``write_report``."""
     reading = Reading(solution, guess)
     heading = title or solution.record.problem
-    sections = [
-        _head(reading, certificate, heading),
-        _section("The problem", _card(problem_rows(reading))) if solution.problem else "",
-        _section("The solution", _card(solution_rows(reading))),
-        _section("The certificate", _checks(certificate)) if certificate is not None else "",
-        _section("The flight", replay_element([reading], wind)) if reading.flies else "",
-        _section("Figures", _figures(reading)),
-        _section("How to reproduce", _reproduce(solution)),
-    ]
+    sections = _sections(reading, certificate, enclosed)
+    body = "\n".join(section(name, content) for name, content in sections.items())
     css = "".join(path.read_text(encoding="utf-8") for path in STYLES)
-    body = "\n".join(section for section in sections if section)
     policy, scripts = LOCKED, ""
     if reading.flies:
         policy, scripts = f"{LOCKED}; script-src {script_hashes()}", script_elements()
@@ -96,8 +86,31 @@ def report_page(
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
         f"<title>{escape(heading)} · skyknot report</title>\n<style>\n{css}</style>\n</head>\n"
-        f"<body>\n<main>\n{body}\n</main>\n{scripts}</body>\n</html>\n"
+        f"<body>\n<main>\n{_head(reading, certificate, heading, tuple(sections))}\n{body}\n"
+        f"</main>\n{scripts}</body>\n</html>\n"
     )
+
+
+def _sections(reading: Reading, certificate: Any, enclosed: Enclosure) -> dict[str, str]:
+    """Return the page's sections after the verdict, heading → HTML, in their order."""
+    solution = reading.solution
+    found: dict[str, str] = {}
+    if solution.problem is not None:
+        found["The problem"] = card(problem_rows(reading))
+    found["The solution"] = card(solution_rows(reading))
+    if certificate is not None:
+        found["The certificate"] = checks_list(certificate)
+    if reading.flies:
+        companions = [Reading(other) for other in enclosed.companions]
+        found["The flight"] = replay_element([reading, *companions], enclosed.wind)
+    found["Figures"] = _figures(reading)
+    if solution.problem is not None and solution.success and solution.witness is not None:
+        prices = enclosed.prices
+        if prices is None:
+            prices = [(binding, None) for binding in bindings_of(solution)]
+        found["What binds"] = binds_section(reading, prices)
+    found["How to reproduce"] = reproduction(solution, enclosed)
+    return found
 
 
 def verdict(solution: Solution, certificate: Any) -> tuple[bool, str]:
@@ -112,59 +125,18 @@ def verdict(solution: Solution, certificate: Any) -> tuple[bool, str]:
     return False, f"Solved, but not certified: {finding}"
 
 
-def _head(reading: Reading, certificate: Any, heading: str) -> str:
+def _head(reading: Reading, certificate: Any, heading: str, sections: tuple[str, ...]) -> str:
     well, sentence = verdict(reading.solution, certificate)
     facts = "".join(
         f"<div><dt>{escape(label)}</dt><dd>{escape(value)}</dd></div>"
         for label, value in headline_facts(reading)
     )
+    links = " ".join(f'<a href="#{anchor(name)}">{escape(name)}</a>' for name in sections)
     return (
         f'<header>\n<p class="eyebrow">skyknot report</p>\n<h1>{escape(heading)}</h1>\n'
-        f'<p class="verdict {_mood(well)}">{escape(sentence)}</p>\n'
-        f'<dl class="facts">{facts}</dl>\n</header>'
+        f'<p class="verdict {mood(well)}">{escape(sentence)}</p>\n'
+        f'<dl class="facts">{facts}</dl>\n<nav aria-label="Sections">{links}</nav>\n</header>'
     )
-
-
-def _section(heading: str, content: str) -> str:
-    return f"<section>\n<h2>{escape(heading)}</h2>\n{content}\n</section>"
-
-
-def _card(rows: Rows) -> str:
-    entries = "\n".join(
-        f"<div><dt>{escape(label)}</dt><dd>{escape(text)}</dd></div>" for label, text in rows
-    )
-    return f'<dl class="card">\n{entries}\n</dl>'
-
-
-def _checks(certificate: Any) -> str:
-    entries = "\n".join(_check(check) for check in certificate.checks.values())
-    return f'<ul class="checks">\n{entries}\n</ul>'
-
-
-def _check(check: Any) -> str:
-    share = min(1.0, check.load)
-    unit = f" {check.unit}" if check.unit else ""
-    measured = f"{check.value:.3g}{unit}".replace("-", "−") + f", limit {number(check.limit)}{unit}"
-    worst = f"{check.worst}: " if check.worst else ""
-    mark, word = ("✓", "passed") if check.passed else ("✗", "failed")
-    return (
-        f'<li class="{_mood(check.passed)}"><span class="mark" title="{word}">{mark}</span>'
-        f'<div>{escape(check.name)}<span class="how">{escape(check.how)}</span></div>'
-        f'<div class="measured">{escape(measured)}'
-        f'<span class="load">{escape(worst + margin(check.load))}</span>'
-        f'<meter-bar><i style="width: {100 * share:.3g}%"></i></meter-bar></div></li>'
-    )
-
-
-def margin(load: float) -> str:
-    """Return in words how much of a limit is used."""
-    if load == 0:
-        return "nothing in excess"
-    if load < 1e-3:
-        return "under 0.1 % of the limit"
-    if load <= 1:
-        return f"{100 * load:.2g} % of the limit"
-    return "not finite" if load == float("inf") else f"{load:.3g} times the limit"
 
 
 def _figures(reading: Reading) -> str:
@@ -179,31 +151,3 @@ def _figures(reading: Reading) -> str:
             f"<figcaption>{escape(picture.caption)}</figcaption>\n</figure>"
         )
     return '<div class="figures">\n' + "\n".join(parts) + "\n</div>"
-
-
-def _reproduce(solution: Solution) -> str:
-    record = solution.record
-    versions = ", ".join(f"{name} {version}" for name, version in record.versions.items())
-    timings = ", ".join(f"{name} {seconds(value)}" for name, value in record.timings.items())
-    work = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in record.work.items())
-    rows = [
-        ("Versions", versions or "not recorded"),
-        ("Inputs, SHA-256", record.inputs_hash or "not recorded"),
-        ("Time spent", timings or "not recorded"),
-        ("Work done", work or "not recorded"),
-    ]
-    snippet = (
-        "import skyknot as sk\n\n"
-        f"# problem: {record.problem!r}; scheme: {record.transcription},"
-        f" {record.segments} segments\n"
-        f"solution = sk.solve(problem, transcription, solver={record.solver!r},"
-        f" tolerance={record.tolerance:g})\n"
-        "assert solution.record.inputs_hash == "
-        f'"{record.inputs_hash[:16]}…"  # the same finite program\n'
-        "print(solution.verify().table())"
-    )
-    return f"{_card(rows)}\n<pre>{escape(snippet)}</pre>"
-
-
-def _mood(well: bool) -> str:
-    return "good" if well else "bad"
