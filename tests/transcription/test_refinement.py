@@ -120,6 +120,14 @@ def test_the_limit_of_segments_is_kept(lay):
 
 
 @LAYS
+def test_switches_do_not_exceed_the_limit_of_segments(lay):
+    places = [Switch(0, place, (place, place), jump=True) for place in np.linspace(0.11, 0.9, 9)]
+    wanted = Refinement(1e-4, segments=22)
+    mesh = lay(UNIFORM, errors(np.full(20, 4e-5)), wanted, HERMITE_SIMPSON, places)
+    assert len(mesh) - 1 <= 22
+
+
+@LAYS
 @pytest.mark.parametrize("place", [0.512345, 0.549, 0.5000001])
 def test_a_switch_gets_a_node(lay, place):
     switch = Switch(0, place, (0.5, 0.55), jump=False)

@@ -133,7 +133,7 @@ def refined(
     count = min(max(int(np.ceil(amount[-1])), 1), int(wanted.segments))
     mesh = np.interp(np.linspace(0.0, amount[-1], count + 1), amount, nodes)
     mesh[0], mesh[-1] = 0.0, 1.0
-    return _with_places(mesh, error, switches, kept)
+    return _with_places(mesh, error, wanted, switches, kept)
 
 
 def split(
@@ -159,17 +159,24 @@ def split(
         np.linspace(left, right, int(m), endpoint=False)
         for left, right, m in zip(nodes[:-1], nodes[1:], pieces, strict=True)
     ]
-    return _with_places(np.append(np.concatenate(parts), 1.0), error, switches, kept)
+    mesh = np.append(np.concatenate(parts), 1.0)
+    return _with_places(mesh, error, wanted, switches, kept)
 
 
 def _with_places(
-    mesh: Array, error: SegmentError, switches: Sequence[Switch], kept: Sequence[float]
+    mesh: Array,
+    error: SegmentError,
+    wanted: Refinement,
+    switches: Sequence[Switch],
+    kept: Sequence[float],
 ) -> Array:
+    """Return the mesh with nodes on the switches, as far as there is room, and on what is kept."""
     onto = [switch.place for switch in switches] if error.dynamics < TRUSTED else []
     for i, place in enumerate(onto):
-        mesh = _onto(mesh, place, (*kept, *onto[:i]))
+        more = len(mesh) - 1 + len(kept) < wanted.segments
+        mesh = _onto(mesh, place, (*kept, *onto[:i]), more=more)
     for place in kept:
-        mesh = _onto(mesh, place, ())
+        mesh = _onto(mesh, place, (), more=True)
     return mesh
 
 
@@ -237,8 +244,8 @@ def _smoothed(density: Array, h: Array) -> Array:
     return density
 
 
-def _onto(mesh: Array, place: float, kept: tuple[float, ...]) -> Array:
-    """Return the mesh with its nearest free node moved onto a place, or a new one there."""
+def _onto(mesh: Array, place: float, kept: tuple[float, ...], *, more: bool) -> Array:
+    """Return the mesh with its nearest free node moved onto a place, or a new one if ``more``."""
     k = int(np.argmin(np.abs(mesh - place)))
     gap = abs(mesh[k] - place)
     if gap == 0:
@@ -249,7 +256,7 @@ def _onto(mesh: Array, place: float, kept: tuple[float, ...]) -> Array:
     if taken and gap < NEAREST * near:
         return mesh
     if taken or gap > FURTHEST_MOVE * near:
-        return np.sort(np.append(mesh, place))
+        return np.sort(np.append(mesh, place)) if more else mesh
     moved = mesh.copy()
     moved[k] = place
     return moved
