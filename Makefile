@@ -7,7 +7,7 @@ SOURCES := pyproject.toml CMakeLists.txt $(wildcard src/skyknot/kernel/_native/*
 BUILD_TOOLS = $(shell $(PYTHON) -c "import tomllib; \
 	print(*tomllib.load(open('pyproject.toml', 'rb'))['build-system']['requires'])")
 
-.PHONY: demo test bench sanitize clean always
+.PHONY: demo test docs bench sanitize clean always
 
 demo: $(VENV)/.installed
 	$(BIN)/skyknot solve city_hop --out runs/city_hop
@@ -17,6 +17,11 @@ test: $(VENV)/.installed-dev
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/pytest -n 2
+
+docs: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[docs]"
+	$(BIN)/mkdocs build
+	@echo "Look at build/site/index.html"
 
 bench: $(VENV)/.installed
 	@set -e; for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python $$script; done
