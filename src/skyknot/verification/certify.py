@@ -73,7 +73,8 @@ def certify(
     problem : what was asked
     trajectory : states (N+1, nx), controls (N+1, nu) and the interpolant between the nodes; without
         segment data it is read as linear between nodes
-    parameters : values of the free parameters found; the problem's own where left out
+    parameters : values of the free parameters found; the problem's own where left out; others are
+        not taken from here
     limits : limits other than the defaults
     witness : the scheme's rows and the multipliers, as the solution claims them; without it
         nothing is said about optimality

@@ -41,8 +41,8 @@ class Equations:
         path = [scalar(call(g.function, x, u, p=self.parameters, t=t)) for g in problem.path]
         points = [scalar(call(g.function, x, u, p=self.parameters, t=t)) for g in problem.points]
         self._rates = ca.Function("rates", [x, u, t], [problem.rates_of(x, u, self.parameters, t)])
-        self.parametersath = ca.Function("path", [x, u, t], [ca.SX(ca.vertcat(*path))])
-        self.parametersoints = ca.Function("points", [x, u, t], [ca.SX(ca.vertcat(*points))])
+        self._path = ca.Function("path", [x, u, t], [ca.SX(ca.vertcat(*path))])
+        self._points = ca.Function("points", [x, u, t], [ca.SX(ca.vertcat(*points))])
         self.path_uses_controls: NDArray[np.bool_] = np.array(
             [any(ca.which_depends(ca.SX(value), u, 1)) for value in path], dtype=bool
         )
@@ -53,11 +53,11 @@ class Equations:
 
     def path(self, X: Array, U: Array, t: Array) -> Array:
         """Return (M, ng) values of the path constraints."""
-        return self._at(self.parametersath, X, U, t)
+        return self._at(self._path, X, U, t)
 
     def points(self, X: Array, U: Array, t: Array) -> Array:
         """Return (M, ng) values of the point constraints."""
-        return self._at(self.parametersoints, X, U, t)
+        return self._at(self._points, X, U, t)
 
     def path_expression(self, index: int) -> tuple[Any, Any, Any]:
         """Return x, t and the value of one path constraint that depends on states alone."""

@@ -59,7 +59,8 @@ class Evidence:
     ----------
     problem : what was asked
     trajectory : the answer; without segment data it is read as linear between nodes
-    parameters : values of parameters by name; the problem's own where left out
+    parameters : values of free parameters by name; the problem's own where left out. Parameters
+        that are given keep the problem's values, whatever stands here
     witness : scheme and multipliers claimed, if any
 
     Raises
@@ -77,8 +78,10 @@ class Evidence:
     ) -> None:
         _check_columns(problem, trajectory)
         self.witness = witness
-        self.problem, self.trajectory, self.parameters = problem, trajectory, dict(parameters)
-        self.equations = Equations(problem, parameters)
+        self.problem, self.trajectory = problem, trajectory
+        free = problem.free_parameters
+        self.parameters = {name: parameters[name] for name in free if name in parameters}
+        self.equations = Equations(problem, self.parameters)
 
     @property
     def times(self) -> Array:
