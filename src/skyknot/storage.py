@@ -87,7 +87,10 @@ def load(path: str | Path) -> Solution:
 
 
 def write_csv(solution: Solution, path: str | Path) -> Path:
-    """Write node times, states and controls as CSV; units and frame stand in the header."""
+    """Write node times, states and controls as CSV; units and frame stand in the header.
+
+    Segments of more than three points write their interior points too.
+    """
     trajectory, record = solution.trajectory, solution.record
     names = ("t", *trajectory.state_names, *trajectory.control_names)
     units = ("s", *record.state_units, *record.control_units)
@@ -99,7 +102,7 @@ def write_csv(solution: Solution, path: str | Path) -> Path:
             ",".join(names),
         ]
     )
-    table = np.column_stack([trajectory.times, trajectory.states, trajectory.controls])
+    table = _rows(trajectory)
     target = Path(path)
     replace_file(
         target,
@@ -108,6 +111,21 @@ def write_csv(solution: Solution, path: str | Path) -> Path:
         ),
     )
     return target
+
+
+def _rows(trajectory: Trajectory) -> Array:
+    """Return the rows of the table: nodes, and what long segments hold between them."""
+    nodes = np.column_stack([trajectory.times, trajectory.states, trajectory.controls])
+    inside = trajectory.segments
+    if inside is None or len(inside.interior_points) < 2:
+        return nodes
+    lengths = np.diff(trajectory.times)[:, None]
+    t = (trajectory.times[:-1, None] + lengths * inside.interior_points).ravel()
+    between = np.column_stack(
+        [t, inside.interior_states.reshape(len(t), -1), trajectory.control(t)]
+    )
+    rows: Array = np.concatenate([nodes, between])
+    return rows[np.argsort(rows[:, 0])]
 
 
 def replace_file(path: Path, write: Any) -> None:

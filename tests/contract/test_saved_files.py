@@ -278,3 +278,14 @@ def test_quantities_without_a_unit_get_a_dash(tmp_path):
     solution = sk.solve(problems.hager().problem, sk.HermiteSimpson(3))
     text = sk.write_csv(solution, tmp_path / "h.csv").read_text(encoding="utf-8")
     assert "x [-], u [-]" in text
+
+
+def test_the_csv_of_one_long_segment_holds_its_points(tmp_path):
+    reference = problems.minimum_energy()
+    solution = sk.solve(reference.problem, sk.Radau(1, 9))
+    path = sk.write_csv(solution, tmp_path / "long.csv")
+    table = np.genfromtxt(path, delimiter=",", names=True, skip_header=3, encoding="utf-8")
+    assert len(table["t"]) == 10
+    assert np.all(np.diff(table["t"]) > 0)
+    np.testing.assert_allclose(table["x"], reference.state(table["t"])[:, 0], atol=1e-12)
+    np.testing.assert_allclose(table["a"], reference.control(table["t"])[:, 0], atol=1e-9)
