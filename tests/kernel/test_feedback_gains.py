@@ -53,9 +53,10 @@ def test_gains_between_nodes_follow_the_control_parametrisation() -> None:
     held = sk.solve(problem, sk.Euler(10))
     np.testing.assert_array_equal(held.feedback([0.21, 0.39]), held.gains[[1, 1]])
     np.testing.assert_array_equal(held.feedback(T), held.gains[-1])
-    linear = sk.solve(problem, sk.Trapezoid(10))
-    middle = 0.5 * (linear.gains[1] + linear.gains[2])
-    np.testing.assert_allclose(linear.feedback(0.3), middle, rtol=1e-12)
+    for scheme in (sk.Trapezoid(10), sk.Lobatto(10, 4, controls="discontinuous")):
+        solution = sk.solve(problem, scheme)
+        middle = 0.5 * (solution.gains[1] + solution.gains[2])
+        np.testing.assert_allclose(solution.feedback(0.3), middle, rtol=1e-12)
 
 
 @pytest.mark.parametrize("scheme", [sk.Lobatto(1, 12), sk.Radau(10, 3, controls="linear")])

@@ -94,16 +94,23 @@ def _segment_partial(
 def feedback_gains(program: Program, gains: Array | None) -> Array | None:
     """Return the solver's gains where they tell K(t), else None.
 
-    They stand at the nodes: one long segment has none to tell of in between. And where segments
-    share the control of a node that only the one behind collocates (Radau with a linear control),
-    what lies ahead of the node does not see its control as the optimum does.
+    They stand at the nodes, those of polynomials that may jump there as well; only a held control
+    holds its gain. One long segment has none to tell of in between. And where segments share the
+    control of a node that only the one behind collocates (Radau with a linear control), what lies
+    ahead of the node does not see its control as the optimum does.
     """
     if gains is None or (program.segments == 1 and program.C.shape[1] > 3):
         return None
     first, last = (
         np.any(program.A[:, program.used == j] != 0) for j in (0, program.C.shape[1] - 1)
     )
-    return None if program.shared and last and not first else gains
+    if program.shared and last and not first:
+        return None
+    if len(gains) > program.segments or len(program.control_points) == 1:
+        return gains
+    before = max(program.segments - 2, 0)
+    ahead = program.fractions[-1] / program.fractions[before]
+    return np.concatenate([gains, gains[-1:] + ahead * (gains[-1:] - gains[before, None])])
 
 
 @dataclass(frozen=True)
