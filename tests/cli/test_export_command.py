@@ -99,6 +99,31 @@ def test_mistakes_are_told_in_five_parts(words: tuple[str, ...], what: str, run:
     assert "do:" in result.stderr
 
 
+def test_the_origin_of_the_mission_is_used_unless_another_is_given(tmp_path: Path) -> None:
+    text = (FOLDER / "yaw_point_transfer.toml").read_text(encoding="utf-8")
+    place = "[origin]\nlatitude = 37.2\nlongitude = -80.4\naltitude = 630.0\n\n[start]"
+    path = tmp_path / "placed.toml"
+    path.write_text(text.replace("[start]", place), encoding="utf-8")
+    run = tmp_path / "run"
+    assert RUNNER.invoke(app, ["solve", str(path), "--out", str(run)]).exit_code == 0
+
+    def home(*words: str) -> list[float]:
+        assert export(run, "--to", "plan", *words).exit_code == 0
+        plan = json.loads((run / "flight.plan").read_text(encoding="utf-8"))
+        return plan["mission"]["plannedHomePosition"]
+
+    assert home() == [37.2, -80.4, 630.0]
+    assert home("--origin", "1,2,3") == [1.0, 2.0, 3.0]
+
+
+def test_a_run_without_an_origin_is_told_what_to_do(run: Path) -> None:
+    result = export(run, "--to", "kml")
+    assert result.exit_code == 2
+    assert "needs a place on Earth" in result.stderr
+    assert "--origin LAT,LON,ALT" in result.stderr
+    assert "[origin]" in result.stderr
+
+
 def test_what_is_no_run_is_refused(tmp_path: Path) -> None:
     result = export(tmp_path, "--to", "csv")
     assert result.exit_code == 2

@@ -12,7 +12,8 @@ from skyknot.cli.exits import Exit, command, print_json
 from skyknot.cli.run_folder import read_run
 from skyknot.cli.solving import JsonOption, certified
 from skyknot.errors import UserError
-from skyknot.export import FORMATS, format_named, uncertified_because, write_export
+from skyknot.export import FORMATS, Origin, format_named, uncertified_because, write_export
+from skyknot.missions import Mission
 from skyknot.solution import Solution
 
 RunArgument = Annotated[
@@ -38,7 +39,10 @@ def export(
     ] = None,
     origin: Annotated[
         str | None,
-        typer.Option(metavar="LAT,LON,ALT", help="Place on Earth of x = y = z = 0 [deg, deg, m]."),
+        typer.Option(
+            metavar="LAT,LON,ALT",
+            help="Place on Earth of x = y = z = 0 [deg, deg, m], instead of the mission's.",
+        ),
     ] = None,
     uncertified: Annotated[
         bool, typer.Option("--uncertified", help="Write it though its certificate fails; marked.")
@@ -73,7 +77,7 @@ def export(
         to,
         rate=rate,
         frame=frame,
-        origin=origin,
+        origin=origin or mission_origin(mission),
         certificate=certificate,
         uncertified=uncertified,
     )
@@ -87,6 +91,12 @@ def export(
     else:
         typer.echo(sentence)
     return Exit.GOOD
+
+
+def mission_origin(mission: Mission) -> Origin | None:
+    """Return the place on Earth that the mission file gives, if any."""
+    given = mission.file.origin
+    return None if given is None else Origin(given.latitude, given.longitude, given.altitude)
 
 
 def _refused(run: Path, solution: Solution, failing: str, *, as_json: bool) -> Exit:

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from skyknot.missions.schema_airspace import Airspace
-from skyknot.missions.schema_flight import Goal, Horizon, Limits, Objective, Start, Waypoint
+from skyknot.missions.schema_flight import Goal, Horizon, Limits, Objective, Origin, Start, Waypoint
 from skyknot.missions.schema_solving import Guess, Outputs, Scheme, SolverChoice, Verification
 from skyknot.missions.section import Section, Triple
 
@@ -32,6 +32,9 @@ class MissionFile(Section):
     wind: Triple | None = Field(
         default=None,
         description="constant wind velocity north, east, down [m/s]; acts through drag",
+    )
+    origin: Origin | None = Field(
+        default=None, description="where on Earth the axes begin; only exports ask for it"
     )
     start: Start = Field(description="where the flight begins")
     goal: Goal = Field(description="where it ends")

@@ -83,6 +83,16 @@ class Waypoint(Place):
     )
 
 
+class Origin(Section):
+    """The place on Earth of north = east = down = 0, WGS 84, for exports."""
+
+    latitude: Annotated[float, Field(ge=-90, le=90)] = Field(description="north is positive [deg]")
+    longitude: Annotated[float, Field(ge=-180, le=180)] = Field(
+        description="east is positive [deg]"
+    )
+    altitude: Number = Field(default=0.0, description="above mean sea level [m]")
+
+
 class FreeHorizon(Section):
     """A duration that the optimiser chooses."""
 
