@@ -238,8 +238,9 @@ def test_the_command_tells_every_claim_and_ends_with_the_count(folder, tmp_path,
     monkeypatch.setattr(runs, "numbered_figures", lambda _findings, _scale: [])
     told = CliRunner().invoke(app, ["paper", "--quick", "--out", str(tmp_path)])
     assert told.exit_code == 0, told.output
-    last = told.output.strip().splitlines()[-1]
-    assert last.startswith(f"{len(EXPERIMENTS)} claims run: ")
+    lines = told.output.strip().splitlines()
+    assert lines[0] == f"1 of {len(EXPERIMENTS) + 1}: bounds respected"
+    assert lines[-1].startswith(f"{len(EXPERIMENTS)} claims run: ")
 
 
 def test_the_command_refuses_a_folder_of_others(tmp_path):

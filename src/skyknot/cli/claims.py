@@ -68,19 +68,24 @@ def check_folder(folder: Path) -> None:
 
 
 def _shown(console: Console, out: Path, scale: Scale) -> dict[str, Finding]:
-    """Run under a progress bar, which shows on a terminal only."""
+    """Run under a progress bar; a line a step where there is no terminal."""
+    if not console.is_terminal:
+        return run_claims(out, scale, _say)
     columns = (
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
         TextColumn("{task.fields[step]}"),
     )
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as bar:
+    with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task("claims", total=None, step="")
 
         def tell(step: str, done: int, total: int) -> None:
             bar.update(task, completed=done, total=total, step=step)
 
         return run_claims(out, scale, tell)
+
+
+def _say(step: str, done: int, total: int) -> None:
+    if done < total:
+        typer.echo(f"{done + 1} of {total}: {step}")
