@@ -5,7 +5,9 @@ from __future__ import annotations
 import importlib
 import re
 import runpy
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -24,6 +26,7 @@ def test_the_navigation_has_every_page_once():
 def test_the_site_fetches_nothing_from_other_hosts():
     assert "font: false" in CONFIGURATION
     assert "://" not in CONFIGURATION
+    assert "- offline" not in CONFIGURATION  # the plugin fetches a script from a public host
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -69,6 +72,17 @@ def test_the_evidence_lists_the_claims_of_the_tests():
     page = HOOKS["on_page_markdown"](f"before\n{HOOKS['MARK']}\nafter")
     assert "The site has every page, and every name and path it tells exists." in page
     assert len(re.findall(r"^- .*\(`test_\w+\.py`\)$", page, re.MULTILINE)) > 60
+
+
+def test_words_after_a_name_become_its_description(monkeypatch):
+    """The extension needs griffe only as a base class, which the tests do without."""
+    monkeypatch.setitem(sys.modules, "griffe", SimpleNamespace(Extension=object, Object=object))
+    described = runpy.run_path(str(DOCS / "site_docstrings.py"))["described"]
+    ours = "Do.\n\nParameters\n----------\na, b : lengths, m\n    and more\nc : None is free"
+    assert described(ours).endswith("a, b\n    lengths, m\n    and more\nc\n    None is free")
+    theirs = "Do.\n\nParameters\n----------\nmass : float\n    Mass, kg."
+    assert described(theirs) == theirs
+    assert described("Note : not a section.") == "Note : not a section."
 
 
 def test_links_out_of_the_documents_become_words():
