@@ -13,8 +13,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
+import skyknot as sk
 from skyknot.bench import smooth_problems
-from skyknot.bench.observed_orders import QUANTITIES, cases, decay, observed
+from skyknot.bench.observed_orders import QUANTITIES, Case, cases, decay, observed
 
 PROBLEMS = {
     "linear": smooth_problems.linear(),
@@ -69,6 +70,30 @@ def test_observed_orders_are_the_claimed_ones(problem, name):
             assert found[quantity] > claimed + 0.5
         else:
             assert found[quantity] == pytest.approx(claimed, abs=0.15), place
+
+
+@pytest.mark.parametrize(
+    ("case", "order", "meshes"),
+    [
+        (Case("hermite-simpson", None, "quadratic"), 2, (60, 90, 135)),
+        (Case("lobatto", 4, "polynomial"), 3, (40, 60, 90)),
+        (Case("lobatto", 5, "discontinuous"), 4, (24, 36, 54)),
+        (Case("radau", 3, "polynomial"), 3, (40, 60, 90)),
+        (Case("chebyshev", 5, "polynomial"), 2, (60, 90, 135)),
+        (Case("chebyshev", 6, "polynomial"), 1, (60, 90, 135)),
+    ],
+    ids=str,
+)
+def test_interior_costates_have_the_order_of_the_stages(case, order, meshes):
+    """Lobatto IIIB s − 1, Radau IA s; Chebyshev's adjoint is exact for constants at most."""
+    smooth, errors = PROBLEMS["curved"], []
+    for N in meshes:
+        solution = sk.solve(smooth.problem, case.on(N), guess=smooth.guess, tolerance=1e-13)
+        inside = solution.trajectory.segments.interior_points
+        t = solution.times[:-1, None] + np.diff(solution.times)[:, None] * inside
+        errors.append(np.abs(solution.interior_costates[..., 0] - smooth.costate(t)).max())
+    observed_order = -np.polyfit(np.log(meshes), np.log(errors), 1)[0]
+    assert observed_order == pytest.approx(order, abs=0.15)
 
 
 def test_one_long_segment_reaches_1e_10_with_fewer_than_forty_points():
