@@ -1,4 +1,4 @@
-"""What a scheme's order buys: one smooth problem, three schemes, four meshes.
+"""What a scheme's order buys: one smooth problem, five schemes, five meshes, one long segment.
 
 Shows: transcriptions as objects, and an error table against a closed form (Hager, Numerische
 Mathematik 87, 2000).
@@ -24,10 +24,23 @@ def exact(t):
     return (2 * np.exp(3 * t) + np.exp(3)) / (np.exp(1.5 * t) * (2 + np.exp(3)))
 
 
-print("segments " + "".join(f"{name:>18}" for name in ("Euler", "trapezoid", "Hermite–Simpson")))
-for segments in (5, 10, 20, 40):
+COLUMNS = {
+    "Euler": sk.Euler,
+    "trapezoid": sk.Trapezoid,
+    "Hermite–Simpson": sk.HermiteSimpson,
+    "Radau, 3 points": lambda segments: sk.Radau(segments, 3),
+    "Lobatto, 5 points": lambda segments: sk.Lobatto(segments, 5),
+}
+print("segments " + "".join(f"{name:>19}" for name in COLUMNS))
+for segments in (2, 4, 8, 16, 32):
     errors = []
-    for scheme in (sk.Euler, sk.Trapezoid, sk.HermiteSimpson):
+    for scheme in COLUMNS.values():
         solution = sk.solve(problem, scheme(segments), tolerance=1e-12)
         errors.append(np.abs(solution.states[:, 0] - exact(solution.times)).max())
-    print(f"{segments:8d} " + "".join(f"{error:18.2e}" for error in errors))
+    print(f"{segments:8d} " + "".join(f"{error:19.2e}" for error in errors))
+
+print("\none segment, points: error of the state, Lobatto")
+for points in (4, 8, 12, 16):
+    solution = sk.solve(problem, sk.Lobatto(1, points), tolerance=1e-12)
+    t = np.linspace(0, 1, 200)
+    print(f"{points:8d} {np.abs(solution.state(t)[:, 0] - exact(t)).max():19.2e}")
