@@ -35,6 +35,8 @@ ARROWS = {
     },
     "rounds": {"problem", "transcription", "solution", "kernel"},
     "solve_many": {"solve", "problem", "transcription", "solvers", "solution"},
+    # solves again what a certificate alone cannot judge
+    "examination": {"solve", "verification", "solution", "problem", "transcription"},
     "missions": {"problem", "models"},
     "report": {"solution"},
     "export": {"solution", "storage", "models"},  # models: the lift of a point's motion

@@ -125,6 +125,14 @@ def test_a_full_disk_leaves_the_earlier_run_untouched(
     assert [path.name for path in run.parent.iterdir()] == [run.name]
 
 
+def test_a_full_verification_solves_again(kept: Path) -> None:
+    result = RUNNER.invoke(app, ["verify", str(kept), "--full", "--json"])
+    assert result.exit_code == 0, result.output
+    full = json.loads(result.stdout)["checks"]
+    known = json.loads((kept / "certificate.json").read_text(encoding="utf-8"))["checks"]
+    assert set(full) - set(known) == {"mesh convergence", "sensitivity", "second solver"}
+
+
 def test_a_failing_rename_puts_the_earlier_run_back(
     run: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -10,7 +10,14 @@ import typer
 from skyknot import missions
 from skyknot.cli.exits import Exit, command, print_json
 from skyknot.cli.run_folder import read_run
-from skyknot.cli.solving import JsonOption, MissionArgument, certified, solve_arguments
+from skyknot.cli.solving import (
+    JsonOption,
+    MissionArgument,
+    certified,
+    limits_of,
+    solve_arguments,
+)
+from skyknot.examination import examine
 from skyknot.missions import Mission
 from skyknot.missions.placement import shortest_time
 
@@ -39,20 +46,32 @@ def lint(mission: MissionArgument, as_json: JsonOption = False) -> Exit:
 @command
 def verify(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder that 'solve --out' wrote.")],
+    full: Annotated[
+        bool, typer.Option("--full", help="Solve again too: finer meshes, other starts and solver.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> Exit:
     """Certify a run again, from its files alone.
 
     The problem is rebuilt from DIR/mission.toml and DIR/vehicle.toml, the trajectory is read from
-    DIR/solution.npz, and every limit and equation is measured again.
+    DIR/solution.npz, and every limit and equation is measured again. With --full the problem is
+    also solved again: on meshes twice and four times as fine, from starts a little off, and by
+    another solver.
 
-    Example:
-
+    Examples
+    --------
       skyknot verify runs/city_hop
+
+      skyknot verify runs/city_hop --full
 
     Exit status: 0 certified, 2 not a run, 4 not certified.
     """
-    certificate = certified(*read_run(folder))
+    mission, solution = read_run(folder)
+    if full:
+        scheme = mission.settings()["transcription"]
+        certificate = examine(solution, mission.problem, scheme, limits_of(mission))
+    else:
+        certificate = certified(mission, solution)
     status = Exit.GOOD if certificate.passed else Exit.NOT_CERTIFIED
     if as_json:
         print_json(certificate.as_dict() | {"exit_status": int(status)})

@@ -148,14 +148,18 @@ def _worth_checking(solution: Solution) -> bool:
 
 def certified(mission: Mission, solution: Solution) -> Certificate:
     """Return the certificate of a solution, by the mission's limits."""
-    given = mission.file.verification.model_dump(exclude_none=True)
     return certify(
         mission.problem,
         solution.trajectory,
         solution.record.parameters,
-        limits=Limits(**given),
+        limits=limits_of(mission),
         witness=solution.full_witness(),
     )
+
+
+def limits_of(mission: Mission) -> Limits:
+    """Return the certificate's limits: the mission's own, or the defaults."""
+    return Limits(**mission.file.verification.model_dump(exclude_none=True))
 
 
 def exit_of(solution: Solution, certificate: Certificate | None) -> Exit:
