@@ -75,7 +75,7 @@ def test_every_axis_carries_a_name_and_a_unit(name, kind):
             told = [label for label in of_one_axis if label]
             assert told, f"an axis of {kind} has no label"
             for label in told:
-                assert label in WITHOUT_UNIT or re.fullmatch(r"\S.* \[[^\]]+\]", label), label
+                assert label in WITHOUT_UNIT or re.fullmatch(r"\S.*\s\[[^\]]+\]", label), label
 
 
 @pytest.mark.parametrize("name", ["flight", "climb", "long haul"])

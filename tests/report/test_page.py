@@ -124,7 +124,7 @@ def test_the_problem_card_says_what_was_asked(page):
     text = " ".join(outlined(page).text)
     assert flight().problem.vehicle.title in text
     assert "north 8 m, east 6 m, altitude 5 m" in text
-    assert "hall ≥ 0 m" in text
+    assert "clear of hall, mast, balloon, tree; inside fence; band −0.5 … 7 m; inside lane" in text
     assert "12 segments of 0.5 s" in text
 
 

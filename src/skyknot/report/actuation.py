@@ -36,7 +36,7 @@ def draw_rotors(figure: Any, reading: Reading) -> str:
         axes.set_title(_place(reading, i, line.label))
         axes.set_ylabel("thrust [N]" if i % 2 == 0 else "")
     return (
-        f"Thrust of each rotor; its limits are {lines[0].lower:.3g} and {lines[0].upper:.3g} N"
+        f"Thrust of each rotor; its limits are {lines[0].lower:.4g} and {lines[0].upper:.4g} N"
         f" (shaded beyond, and while one is active), dotted is hover.{_overload(lines)}"
     )
 
@@ -93,7 +93,7 @@ def _place(reading: Reading, i: int, label: str) -> str:
 
 
 ROTORS_FIGURE = Kind(
-    "rotors", "Rotor thrusts", (5.9, 4.3), lambda reading: reading.has_rotors, draw_rotors
+    "rotors", "Rotor thrusts", (5.2, 4.0), lambda reading: reading.has_rotors, draw_rotors
 )
-CONTROLS_FIGURE = Kind("controls", "Controls", (5.9, 4.3), lambda _reading: True, draw_controls)
-STATES_FIGURE = Kind("states", "States", (5.9, 4.3), lambda reading: not reading.flies, draw_states)
+CONTROLS_FIGURE = Kind("controls", "Controls", (5.2, 4.0), lambda _reading: True, draw_controls)
+STATES_FIGURE = Kind("states", "States", (5.2, 4.0), lambda reading: not reading.flies, draw_states)

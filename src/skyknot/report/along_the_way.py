@@ -22,6 +22,9 @@ DASHED = ("-", (0, (5, 2)), (0, (1, 1.2)))
 NEAR = 1.0
 """Clearance, m, below which the axis is linear; above, it is logarithmic."""
 
+LONG = 15
+"""Letters beyond which the name of an axis takes two lines."""
+
 TOUCHING = 1e-2
 """Clearance, m, within which a constraint counts as active."""
 
@@ -101,7 +104,8 @@ def draw_limits(figure: Any, reading: Reading) -> str:
     for axes, line in zip(grid_of_panels(figure, len(lines)), lines, strict=True):
         single(axes, line)
         axes.set_title(line.label[:1].upper() + line.label[1:])
-        axes.set_ylabel(f"{line.label} [{line.unit or '-'}]")
+        between = "\n" if len(line.label) + len(line.unit) > LONG else " "
+        axes.set_ylabel(f"{line.label}{between}[{line.unit or '-'}]")
     return (
         "Limits along the way that are not bodies in space; beyond them, and while one is active,"
         f" is shaded. {FLOWN_WORDS}"
@@ -147,14 +151,14 @@ def _metres(line: Line) -> str:
 CLEARANCE_FIGURE = Kind(
     "clearance",
     "Clearance",
-    (5.9, 4.5),
+    (5.2, 4.2),
     lambda reading: reading.flies and any(g.shape is not None for g in reading.problem.path),
     draw_clearance,
 )
 LIMITS_FIGURE = Kind(
     "limits",
     "Limits along the way",
-    (5.9, 3.6),
+    (5.2, 3.3),
     lambda reading: (
         reading.problem is not None and any(g.shape is None for g in reading.problem.path)
     ),

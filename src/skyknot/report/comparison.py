@@ -115,7 +115,7 @@ def _legend(figure: Any, axes: Any) -> None:
 COMPARISON_FIGURE = Kind(
     "before_after",
     "Before and after",
-    (5.9, 5.0),
+    (5.2, 4.8),
     lambda reading: reading.problem is not None,
     draw_comparison,
 )

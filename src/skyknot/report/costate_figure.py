@@ -65,12 +65,15 @@ def draw_costates(figure: Any, reading: Reading) -> str:
 
 def _caption(reading: Reading, values: Array) -> str:
     expected = ""
-    if reading.problem.free_horizon:
-        expected = " With a free duration and no end cost of its own it is zero."
+    if reading.problem.points:
+        expected = " It jumps at waypoints, whose moments are shares of the duration."
+    elif reading.problem.free_horizon:
+        expected = " With a free duration and no cost at the end it is zero."
     return (
-        "Hamiltonian at the nodes: constant at an optimum of equations that do not name the time,"
-        f" here within {np.ptp(values):.2g}.{expected} Costates by the transformed adjoint, in the"
-        " states' own frame (z down): what one unit more of a state would add to the cost."
+        "Hamiltonian at the nodes: constant between waypoints at an optimum of equations that do"
+        f" not name the time, here within {np.ptp(values):.2g} in all.{expected} Costates by the"
+        " transformed adjoint, in the states' own frame (z down): what one unit more of a state"
+        " would add to the cost."
     )
 
 
@@ -89,7 +92,7 @@ def _per(reading: Reading, name: str) -> str:
 COSTATES_FIGURE = Kind(
     "costates",
     "Hamiltonian and costates",
-    (5.9, 6.0),
+    (5.2, 6.0),
     lambda reading: reading.problem is not None,
     draw_costates,
 )

@@ -100,5 +100,5 @@ def _logarithmic(axes: Any) -> None:
 
 
 MESH_FIGURE = Kind(
-    "mesh", "Mesh and error", (5.9, 4.3), lambda reading: reading.problem is not None, draw_mesh
+    "mesh", "Mesh and error", (5.2, 4.0), lambda reading: reading.problem is not None, draw_mesh
 )

@@ -45,14 +45,14 @@ def _two_panels(figure: Any, reading: Reading, *panels: tuple[Any, str]) -> None
 POSITION_FIGURE = Kind(
     "position",
     "Position and orientation",
-    (5.9, 4.5),
+    (5.2, 4.2),
     lambda reading: reading.flies,
     draw_position,
 )
 VELOCITY_FIGURE = Kind(
     "velocity",
     "Velocity and body rates",
-    (5.9, 4.5),
+    (5.2, 4.2),
     lambda reading: reading.flies and reading.has(*VELOCITY),
     draw_velocity,
 )

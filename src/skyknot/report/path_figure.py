@@ -18,7 +18,7 @@ from skyknot.report.craft import CraftShape, attitude, craft_shape, span
 from skyknot.report.obstacles import draw_shadows, draw_sheets, draw_solid, runs
 from skyknot.report.reading import Reading
 from skyknot.report.scene import Scene
-from skyknot.report.stage import Stage, draw_ground
+from skyknot.report.stage import TICK_ROOM, Stage, draw_ground
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ COLOUR_BAR = 0.5
 """Height left for the colour bar, inches."""
 
 STAMP: dict[str, Any] = {
-    "fontsize": 8,
+    "fontsize": 9,
     "ha": "center",
     "va": "center",
     "color": style.INK,
@@ -64,7 +64,7 @@ def _frame(figure: Any, axes: Any, stage: Stage) -> None:
     """Stack everything in the order drawn, cut the view to it, and the figure to the view."""
     for order, artist in enumerate([*axes.get_children()]):
         artist.set_zorder(order)
-    tick = 0.035 * stage.width
+    tick = TICK_ROOM * stage.width
     box = axes.dataLim.get_points()
     places = [text.get_position() for text in axes.texts] or [(0.0, 0.0)]
     low = np.minimum(box[0], np.min(places, axis=0) - 0.7 * tick) - 0.3 * tick
@@ -199,4 +199,4 @@ def _caption(scene: Scene, factor: float, colored: bool, bands: bool) -> str:
     return "; ".join(parts) + "."
 
 
-PATH_FIGURE = Kind("path", "Path", (6.8, 5.8), lambda reading: reading.flies, draw_path)
+PATH_FIGURE = Kind("path", "Path", (6.0, 5.2), lambda reading: reading.flies, draw_path)

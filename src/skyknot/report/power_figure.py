@@ -49,7 +49,7 @@ def draw_power(figure: Any, reading: Reading) -> str:
 POWER_FIGURE = Kind(
     "power",
     "Power and energy",
-    (5.9, 4.3),
+    (5.2, 4.0),
     lambda reading: reading.has_rotors and reading.vehicle.hover_power is not None,
     draw_power,
 )

@@ -39,10 +39,30 @@ def problem_rows(reading: Reading) -> Rows:
             if np.isfinite(a) or np.isfinite(b)
         ]
         rows.append((label, "; ".join(limits) or "none"))
-    for label, entries in (("Along the way", problem.path), ("Waypoints", problem.points)):
-        if entries:
-            rows.append((label, "; ".join(_constraint(entry) for entry in entries)))
+    for label, words in (
+        ("Along the way", _along_the_way(problem.path)),
+        ("Waypoints", [_constraint(entry) for entry in problem.points]),
+    ):
+        if words:
+            rows.append((label, "; ".join(words)))
     return rows
+
+
+def _along_the_way(path: Any) -> list[str]:
+    """Return path constraints in words, obstacles together by the distance to keep."""
+    kept: dict[float, list[str]] = {}
+    words = []
+    for entry in path:
+        if entry.shape is not None and not entry.shape.keep_in:
+            kept.setdefault(entry.shape.sizes.get("clearance", 0.0), []).append(entry.name)
+        elif entry.shape is not None and entry.shape.kind != "band":
+            words.append(f"inside {entry.name}")
+        else:
+            words.append(_constraint(entry))
+    for distance, names in sorted(kept.items(), reverse=True):
+        away = f"at least {number(distance)} m from" if distance else "clear of"
+        words.insert(0, f"{away} {', '.join(names)}")
+    return words
 
 
 def solution_rows(reading: Reading) -> Rows:

@@ -57,7 +57,7 @@ def power_of_ten(value: float, _position: int = 0) -> str:
 HISTORY_FIGURE = Kind(
     "history",
     "Optimisation history",
-    (5.9, 4.3),
+    (5.2, 4.0),
     lambda reading: len(reading.solution.history) > 0,
     draw_history,
 )

@@ -33,6 +33,10 @@ SLIMMEST = 0.7
 """Least width of the stage, as a share of its height."""
 
 
+TICK_ROOM = 0.041
+"""Room for a number beside an axis, as a share of the stage's width on paper."""
+
+
 @dataclass(frozen=True)
 class Stage:
     """Extent and camera.
@@ -69,6 +73,12 @@ class Stage:
         """(4, 3) corners of the ground."""
         (e, n, floor), (f, o, _) = self.low, self.high
         return np.array([[e, n, floor], [f, n, floor], [f, o, floor], [e, o, floor]])
+
+    @property
+    def height_corner(self) -> Array:
+        """(3,) corner of the ground where the altitude axis stands: the one farthest left."""
+        result: Array = self.ground[int(np.argmin(self.camera.project(self.ground)[:, 0]))]
+        return result
 
 
 def stage_for(
@@ -123,15 +133,18 @@ def _edge(axes: Any, stage: Stage, axis: int, at: float, name: str, outward: flo
     out = np.zeros(3)
     out[1 - axis] = outward
     away = project(out) / np.linalg.norm(project(out))
-    tick = 0.035 * stage.width
+    tick = TICK_ROOM * stage.width
 
     def place(value: float) -> Array:
         point = np.array([0.0, 0.0, stage.floor])
         point[axis], point[1 - axis] = value, at
         return project(point)
 
+    corner = project(stage.height_corner)
     for value in stage.ticks[axis]:
         foot = place(value)
+        if np.linalg.norm(foot + tick * away - corner) < 1.6 * tick:
+            continue  # the numbers of the altitude stand there
         axes.plot(*np.stack([foot, foot + 0.35 * tick * away]).T, color=style.FAINT, linewidth=0.8)
         axes.text(*(foot + 1.15 * tick * away), _number(value), **TICK)
     first, last = place(stage.low[axis]), place(stage.high[axis])
@@ -142,15 +155,14 @@ def _edge(axes: Any, stage: Stage, axis: int, at: float, name: str, outward: flo
 
 
 def _height_axis(axes: Any, stage: Stage) -> None:
-    project, ground = stage.camera.project, stage.ground
-    corner = ground[int(np.argmin(project(ground)[:, 0]))]
+    project, corner = stage.camera.project, stage.height_corner
 
     def place(height: float) -> Array:
         return project(np.array([*corner[:2], height]))
 
     foot, top = place(stage.floor), place(stage.top)
     axes.plot(*np.stack([foot, top]).T, color=style.FAINT, linewidth=0.8)
-    tick = 0.035 * stage.width
+    tick = TICK_ROOM * stage.width
     for value in stage.ticks[2]:
         x, y = place(value)
         axes.plot([x - 0.35 * tick, x], [y, y], color=style.FAINT, linewidth=0.8)
@@ -159,8 +171,8 @@ def _height_axis(axes: Any, stage: Stage) -> None:
     axes.text(*middle, "altitude −z [m]", rotation=90, **LABEL)
 
 
-TICK: dict[str, Any] = {"color": style.MUTED, "fontsize": 8, "ha": "center", "va": "center"}
-LABEL: dict[str, Any] = {"color": style.MUTED, "fontsize": 9, "ha": "center", "va": "center"}
+TICK: dict[str, Any] = {"color": style.MUTED, "fontsize": 9, "ha": "center", "va": "center"}
+LABEL: dict[str, Any] = {"color": style.MUTED, "fontsize": 10, "ha": "center", "va": "center"}
 
 
 def _number(value: float) -> str:
