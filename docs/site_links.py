@@ -18,7 +18,8 @@ TESTS = Path(__file__).parents[1] / "tests"
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
     """Return a page with its links to the repository told in words, and its mark filled in."""
-    return OUTSIDE.sub(_told, markdown.replace(MARK, claims()))
+    filled = markdown.replace(MARK, claims()) if MARK in markdown else markdown
+    return OUTSIDE.sub(_told, filled)
 
 
 def claims() -> str:

@@ -23,9 +23,18 @@ def export(*words: object):
 
 @pytest.fixture(scope="module")
 def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("runs") / "transfer"
-    assert RUNNER.invoke(app, ["solve", "yaw_point_transfer", "--out", str(folder)]).exit_code == 0
-    return folder
+    folder = tmp_path_factory.mktemp("runs")
+    path = folder / "transfer.toml"
+    path.write_text(mission_text("yaw_point_transfer"), encoding="utf-8")
+    run = folder / "transfer"
+    assert RUNNER.invoke(app, ["solve", str(path), "--out", str(run)]).exit_code == 0
+    return run
+
+
+def mission_text(name: str) -> str:
+    """Return a library mission that writes no report, which these tests do not look at."""
+    text = (FOLDER / f"{name}.toml").read_text(encoding="utf-8")
+    return text + "\n[outputs]\nreport = false\n"
 
 
 @pytest.fixture
@@ -73,9 +82,11 @@ def test_json_tells_a_refusal_too(run: Path) -> None:
 
 
 def test_a_run_that_is_not_solved_is_refused(tmp_path: Path) -> None:
-    text = (FOLDER / "report_transfer.toml").read_text(encoding="utf-8")
     path = tmp_path / "limited.toml"
-    path.write_text(text.replace("[solver]", "[solver]\nmax_iterations = 2"), encoding="utf-8")
+    path.write_text(
+        mission_text("report_transfer").replace("[solver]", "[solver]\nmax_iterations = 2"),
+        encoding="utf-8",
+    )
     folder = tmp_path / "run"
     assert RUNNER.invoke(app, ["solve", str(path), "--out", str(folder)]).exit_code == 3
     result = export(folder, "--to", "csv")
@@ -100,7 +111,7 @@ def test_mistakes_are_told_in_five_parts(words: tuple[str, ...], what: str, run:
 
 
 def test_the_origin_of_the_mission_is_used_unless_another_is_given(tmp_path: Path) -> None:
-    text = (FOLDER / "yaw_point_transfer.toml").read_text(encoding="utf-8")
+    text = mission_text("yaw_point_transfer")
     place = "[origin]\nlatitude = 37.2\nlongitude = -80.4\naltitude = 630.0\n\n[start]"
     path = tmp_path / "placed.toml"
     path.write_text(text.replace("[start]", place), encoding="utf-8")

@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from skyknot.cli.main import app
+from skyknot.missions.mission import FOLDER
 from skyknot.report import KINDS, animation
 
 RUNNER = CliRunner()
@@ -22,9 +23,18 @@ def plot(*words: object):
 
 @pytest.fixture(scope="module")
 def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("runs") / "transfer"
-    assert RUNNER.invoke(app, ["solve", "yaw_point_transfer", "--out", str(folder)]).exit_code == 0
-    return folder
+    folder = tmp_path_factory.mktemp("runs")
+    path = folder / "transfer.toml"
+    path.write_text(mission_text("yaw_point_transfer"), encoding="utf-8")
+    run = folder / "transfer"
+    assert RUNNER.invoke(app, ["solve", str(path), "--out", str(run)]).exit_code == 0
+    return run
+
+
+def mission_text(name: str) -> str:
+    """Return a library mission that writes no report, which these tests do not look at."""
+    text = (FOLDER / f"{name}.toml").read_text(encoding="utf-8")
+    return text + "\n[outputs]\nreport = false\n"
 
 
 @pytest.fixture
