@@ -57,6 +57,14 @@ def test_every_claim_has_finite_numbers_words_and_a_verdict(findings, name):
     assert all((claim.claim, claim.section, claim.said, claim.how, claim.why))
 
 
+def test_every_equation_that_the_report_claims_something_by_is_judged(findings):
+    told = " ".join(finding.claim.section for finding in findings.values())
+    for equation in (13, 15, 16, 18, 20, 21, 22, 26, 27, 28):
+        assert f"({equation})" in told
+    for section in ("4", "5.1", "5.2", "5.3", "5.4", "6"):
+        assert any(f.claim.section.split(",")[0] == section for f in findings.values())
+
+
 def test_the_transfer_judged_is_the_mission_of_the_library():
     mission = sk.missions.load("report_transfer")
     theirs = sk.solve(mission.problem, sk.HermiteSimpson(100))

@@ -23,7 +23,7 @@ from skyknot.paper.transfers import SEGMENTS, descent_flight
 from skyknot.report import style
 from skyknot.report.figures import Illustration, illustrate
 
-SIZE = (5.9, 4.3)
+SIZE = (5.2, 4.0)
 """Width and height, inches."""
 
 Draw = Callable[[Any, dict[str, Finding]], str]
@@ -90,15 +90,15 @@ def _drawn(
 
 
 DRAWN: dict[int, tuple[str, tuple[float, float], Draw]] = {
-    1: ("Optimal control of the craft", (5.9, 3.4), draw_vehicle),
+    1: ("Optimal control of the craft", (5.2, 3.0), draw_vehicle),
     2: ("Hermite–Simpson collocation intervals", SIZE, draw_intervals),
     3: ("Flow of Algorithm 1", SIZE, draw_flow),
-    9: ("Position trajectory, optimised and flown", (5.9, 5.2), draw_flown),
+    9: ("Position trajectory, optimised and flown", (5.2, 4.8), draw_flown),
     10: ("Order of accuracy", SIZE, draw_order),
     11: ("Convergence of both errors", SIZE, draw_convergence),
-    12: ("Stability region (drawn nowhere in the report)", SIZE, draw_stability),
-    13: ("What equal segments cannot see", (5.9, 5.4), draw_start),
-    14: ("Time per iteration over N (cited in the report, but lacking)", SIZE, draw_growth),
+    12: ("Stability region", SIZE, draw_stability),
+    13: ("What equal segments cannot see", (5.2, 5.0), draw_start),
+    14: ("Time per iteration over N (cited in the report)", SIZE, draw_growth),
     15: ("Spread over seeded transfers", SIZE, draw_spread),
 }
 """Figures of this room: title, size in inches, and what draws them."""

@@ -109,16 +109,16 @@ def draw_spread(figure: Any, findings: dict[str, Finding]) -> str:
     reduced = findings["reduced_order"].data
     left, right = figure.subplots(1, 2, width_ratios=(len(steps), 2))
     dots(left, {f"α = {step}": share for step, share in steps.items()}, said=32.0)
-    left.set_title("iterations saved by Barzilai–Borwein")
+    left.set_title("saved by Barzilai–Borwein")
     left.set_ylabel("share [%]")
-    dots(right, {"time saved": reduced["saving"], "loss of J": reduced["loss"]}, said=None)
+    dots(right, {"time\nsaved": reduced["saving"], "loss\nof J": reduced["loss"]}, said=None)
     for place, value in ((0, 67.0), (1, 4.0)):
         right.plot([place - 0.35, place + 0.35], [value, value], color=style.VERMILLION,
                    linestyle=(0, (5, 2)))  # fmt: skip
     right.set_title("reduced order")
     return (
         f"{len(reduced['saving'])} transfers to seeded goals, one dot each; black bars are medians,"
-        " dashed lines what the source report says. Left: against fixed step lengths α. Right:"
+        " dashed lines what the source report says. Left: iterations, against fixed steps α. Right:"
         " iteration time saved by the reduced model, and loss of J along its lift."
     )
 
