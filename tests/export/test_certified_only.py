@@ -71,7 +71,7 @@ def test_a_certificate_is_made_when_none_is_given():
     assert uncertified_because(rail()) == ""
     shifted = rail().trajectory
     shifted = replace(shifted, states=shifted.states + 0.1)
-    assert "Not certified" in uncertified_because(replace(rail(), trajectory=shifted))
+    assert "checks fail" in uncertified_because(replace(rail(), trajectory=shifted))
 
 
 @pytest.mark.parametrize("name", [n for n, known in FORMATS.items() if "origin" in known.needs])

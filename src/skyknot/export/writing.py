@@ -98,7 +98,9 @@ def uncertified_because(solution: Solution, certificate: Any = None) -> str:
     if certificate is None and solution.problem is None:
         return "not verified, as its problem is not at hand"
     certificate = certificate or solution.verify()
-    return "" if certificate.passed else " ".join(certificate.sentence.split())
+    if certificate.passed:
+        return ""
+    return " ".join(certificate.sentence.split()).removeprefix("Not certified: ").rstrip(".")
 
 
 def format_named(to: str | None, target: Path | None = None) -> Format:
