@@ -20,6 +20,7 @@ from skyknot.transcription.refinement import (
     SWITCH_SHARE,
     Refinement,
     refined,
+    segments_needed,
     split,
 )
 from skyknot.transcription.segment_error import SegmentError, segment_error
@@ -29,6 +30,9 @@ Array = NDArray[np.float64]
 
 RELAID = 2
 """Rounds that lay the mesh anew; from then on segments are only split."""
+
+BEYOND = 4.0
+"""Times the limit of segments: where so many are needed, by two meshes, no more is tried."""
 
 NEAR = 10.0
 """Times the accuracy: a flight estimated farther off is not worth flying in earnest."""
@@ -78,22 +82,31 @@ def in_rounds(
     begun = time.perf_counter()
     log = _Log(begun)
     answer, best = first(), None
-    while True:
-        if not answer.solution.success:
-            log.failed(answer.solution)
-            return log.ended_early(answer.solution, best, wanted)
+    while answer.solution.success:
         found = _measured(problem, answer, functions, wanted)
         best = found if best is None or found.worst <= best.worst else best
-        reason = "" if found.worst <= wanted.accuracy else _limit(log, found, wanted, begun)
-        if reason or found.worst <= wanted.accuracy:
+        met = found.worst <= wanted.accuracy
+        reason = "" if met else _limit(log, found, wanted, begun)
+        if met or reason:
             log.measured(found)
             return log.ended(best, wanted, reason)
-        mesh = _better_mesh(problem, found, functions, wanted, len(log.rounds))
+        lay = refined if len(log.rounds) < RELAID else split
+        mesh = _better_mesh(problem, found, functions, wanted, lay)
         log.measured(found)
         answer = again(mesh, found.answer, True)
-        if not answer.solution.success and answer.solution.status is not Status.INTERRUPTED:
+        if _failed(answer):
             log.failed(answer.solution)
             answer = again(mesh, best.answer, False)
+        if _failed(answer):
+            log.failed(answer.solution)
+            answer = again(_better_mesh(problem, best, functions, wanted, split), best.answer, True)
+    log.failed(answer.solution)
+    return log.ended_early(answer.solution, best, wanted)
+
+
+def _failed(answer: Answer) -> bool:
+    """Whether to try again: neither solved nor stopped by the user."""
+    return not answer.solution.success and answer.solution.status is not Status.INTERRUPTED
 
 
 def _measured(
@@ -115,14 +128,14 @@ def _better_mesh(
     found: _Measured,
     functions: PointFunctions,
     wanted: Refinement,
-    rounds: int,
+    lay: Callable[..., Array],
 ) -> Transcription:
+    """Return a mesh for the next round, from all nodes anew or from the old ones split."""
     solution, scheme = found.answer.solution, found.answer.scheme
     trajectory, parameters = solution.trajectory, solution.record.parameters
     places = switches(problem, trajectory, solution.costates, parameters, functions)
     nodes = np.concatenate([[0.0], np.cumsum(found.answer.program.fractions)])
     nodes[-1] = 1.0
-    lay = refined if rounds < RELAID else split
     kept = [entry.at for entry in problem.points]
     return replace(scheme, nodes=lay(nodes, found.error, wanted, scheme.table, places, kept))
 
@@ -136,6 +149,11 @@ def _limit(log: _Log, found: _Measured, wanted: Refinement, begun: float) -> str
         return f"the limit of {wanted.segments} segments"
     if time.perf_counter() - begun >= wanted.seconds:
         return f"the limit of {wanted.seconds:g} s"
+    needed = segments_needed(found.error, wanted, found.answer.scheme.table)
+    if log.rounds and needed > BEYOND * wanted.segments:
+        return (
+            f"the limit of {wanted.segments} segments, since this scheme needs about {needed:.1g}"
+        )
     return ""
 
 

@@ -183,6 +183,13 @@ def test_an_accuracy_out_of_reach_is_a_status_with_a_reason(word):
     assert f"the error is {best:.2g}" in solution.message
 
 
+def test_a_scheme_that_cannot_get_there_is_told_early():
+    solution = sk.solve(problems.cart_pole().problem, sk.Euler(20), accuracy=1e-7)
+    assert solution.status == "accuracy not reached"
+    assert len(solution.rounds) == 2
+    assert "since this scheme needs about" in solution.message
+
+
 def test_a_jump_that_is_not_resolved_is_told_with_its_time():
     solution = sk.solve(least_time(), COARSE, accuracy=sk.Refinement(1e-6, rounds=1))
     assert solution.status == "accuracy not reached"
@@ -214,19 +221,18 @@ def test_an_interruption_on_a_later_mesh_keeps_the_answer_on_the_last_one():
 
 
 class Faltering:
-    """Solves like the interior point, but gives up on every mesh of more than a few segments."""
+    """Solves like the interior point, but gives up some times on more than a few segments."""
 
     name = "faltering"
 
-    def __init__(self, segments, only_warm=False):
-        self.segments, self.only_warm, self.own = segments, only_warm, sk.InteriorPoint()
+    def __init__(self, segments, times=1000):
+        self.segments, self.times, self.own = segments, times, sk.InteriorPoint()
 
     def solve(self, program, tolerance, multipliers=None, callback=None):
-        falters = program.segments > self.segments and (
-            multipliers is not None or not self.only_warm
-        )
-        settings = sk.InteriorPoint(max_iterations=1) if falters else self.own
-        return settings.solve(program, tolerance, None if falters else multipliers, callback)
+        if program.segments <= self.segments or self.times == 0:
+            return self.own.solve(program, tolerance, multipliers, callback)
+        self.times -= 1
+        return sk.InteriorPoint(max_iterations=1).solve(program, tolerance, None, callback)
 
 
 def test_a_solver_that_fails_on_a_finer_mesh_loses_nothing():
@@ -238,10 +244,17 @@ def test_a_solver_that_fails_on_a_finer_mesh_loses_nothing():
 
 
 def test_a_warm_start_that_fails_is_followed_by_a_cold_one():
-    solution = sk.solve(least_time(), COARSE, Faltering(8, only_warm=True), accuracy=1e-4)
+    solution = sk.solve(least_time(), COARSE, Faltering(8, times=1), accuracy=1e-4)
     assert solution.success, solution.message
     words = [entry.status for entry in solution.rounds]
     assert words[:3] == ["solved", "iteration limit", "solved"]
+
+
+def test_a_mesh_that_does_not_solve_is_followed_by_one_that_only_splits():
+    solution = sk.solve(least_time(), COARSE, Faltering(8, times=2), accuracy=1e-4)
+    assert solution.success, solution.message
+    words = [entry.status for entry in solution.rounds]
+    assert words[:4] == ["solved", "iteration limit", "iteration limit", "solved"]
 
 
 @pytest.mark.parametrize("accuracy", [0, -1e-4, 1e-12, 2.0, "fine"])

@@ -136,6 +136,11 @@ def refined(
     return _with_places(mesh, error, wanted, switches, kept)
 
 
+def segments_needed(error: SegmentError, wanted: Refinement, table: SchemeTable) -> float:
+    """Return how many segments the errors ask for, by the orders of the scheme, without limit."""
+    return float(np.sum(np.maximum(_pieces(error, wanted, table), LEAST_PIECES)))
+
+
 def split(
     nodes: Array,
     error: SegmentError,
