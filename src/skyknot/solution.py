@@ -137,7 +137,8 @@ class Solution:
     @property
     def message(self) -> str:
         """The outcome as a sentence, with what to try when there is something to try."""
-        effort = f"{self.iterations} iterations, {_seconds(self.solve_time)}"
+        meshes = f" on {len(self.rounds)} meshes" if len(self.rounds) > 1 else ""
+        effort = f"{self.iterations} iterations{meshes}, {_seconds(self.solve_time)}"
         head = f"{self.status.value.capitalize()}: objective {self.objective:.6g} after {effort}."
         parts = [head, self.status.sentence, self.record.detail, self.status.advice]
         return " ".join(part for part in parts if part)

@@ -81,6 +81,7 @@ def test_the_rounds_tell_segments_errors_and_time_of_every_mesh():
 def test_iterations_history_and_work_are_those_of_all_rounds():
     solution = cart_pole()
     assert solution.iterations == sum(entry.iterations for entry in solution.rounds)
+    assert f"{solution.iterations} iterations on {len(solution.rounds)} meshes" in solution.message
     np.testing.assert_array_equal(solution.history[:, 0], np.arange(len(solution.history)))
     assert len(solution.history) >= solution.iterations
     assert solution.record.work["factorisations"] >= solution.iterations

@@ -86,10 +86,20 @@ def solution_rows(reading: Reading) -> Rows:
         ("KKT residual", f"{number(solution.kkt_residual)} (unscaled, the user's units)"),
         ("Largest defect", number(solution.max_defect)),
     ]
+    if solution.rounds:
+        rows.insert(2, ("Refinement", _refinement(solution)))
     if record.parameters:
         values = (f"{name} = {number(value)}" for name, value in record.parameters.items())
         rows.append(("Parameters", ", ".join(values)))
     return rows
+
+
+def _refinement(solution: Any) -> str:
+    """Return the meshes of a refinement, and how accurate the best one is."""
+    meshes = ", ".join(str(entry.segments) for entry in solution.rounds)
+    error = min(entry.error for entry in solution.rounds)
+    reached = f"error {number(error)} of the states' sizes" if np.isfinite(error) else "none solved"
+    return f"meshes of {meshes} segments; {reached}, {number(solution.record.accuracy)} asked for"
 
 
 def headline_facts(reading: Reading) -> Rows:

@@ -1,0 +1,23 @@
+"""Claim: the report tells the meshes of a refinement, and nothing of it where there was none."""
+
+from __future__ import annotations
+
+import skyknot as sk
+from references import problems
+from skyknot.report.problem_card import solution_rows
+from skyknot.report.reading import Reading
+
+
+def rows_of(accuracy):
+    problem = problems.cart_pole().problem
+    return dict(solution_rows(Reading(sk.solve(problem, sk.HermiteSimpson(8), accuracy=accuracy))))
+
+
+def test_the_report_tells_the_meshes_and_the_error_reached():
+    told = rows_of(1e-3)["Refinement"]
+    assert told.startswith("meshes of 8, ")
+    assert told.endswith("0.001 asked for")
+
+
+def test_one_mesh_is_no_refinement():
+    assert "Refinement" not in rows_of(None)
