@@ -13,7 +13,7 @@ import pytest
 
 import skyknot as sk
 from agreement.variants import ALL_SCHEMES, CASES, PROBLEMS, SCHEMES, program_of, random_point
-from references import problems
+from skyknot import bank as problems
 from skyknot.kernel.evaluation import defects, evaluate, gradient, objective
 from skyknot.solvers.nonlinear_program import nonlinear_program
 

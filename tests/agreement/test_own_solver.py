@@ -6,7 +6,7 @@ import pytest
 
 import skyknot as sk
 from agreement.variants import ALL_SCHEMES, CASES, PROBLEMS
-from references import problems
+from skyknot import bank as problems
 
 # The pendulum with a free horizon has several local optima: only the conditions are compared.
 SEVERAL_OPTIMA = {"free horizon", "free horizon, rates", "everything"}

@@ -11,7 +11,7 @@ import pytest
 
 import skyknot as sk
 from agreement.variants import PROBLEMS
-from references import problems
+from skyknot import bank as problems
 
 REFERENCES = {
     "quadrotor transfer": problems.quadrotor_transfer(),

@@ -41,6 +41,7 @@ ARROWS = {
     "report": {"solution"},
     "export": {"solution", "storage", "models"},  # models: the lift of a point's motion
     "paper": {"solve", "verification", "report", "problem", "models", "solution"},
+    "bank": {"solve", "problem", "models", "transcription", "solution"},
     # measures solvers against one another on many missions
     "bench": {
         *("missions", "solve", "solvers", "verification", "solution", "problem", "models"),

@@ -7,7 +7,7 @@ import pytest
 
 import skyknot as sk
 from agreement.variants import oscillator
-from references import problems
+from skyknot import bank as problems
 
 CART_POLE = problems.cart_pole().problem
 

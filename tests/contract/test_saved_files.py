@@ -12,7 +12,7 @@ import pytest
 
 import skyknot as sk
 from agreement.variants import ALL_SCHEMES, CASES, PROBLEMS, SCHEMES
-from references import problems
+from skyknot import bank as problems
 from skyknot import storage
 
 

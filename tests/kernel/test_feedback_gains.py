@@ -12,8 +12,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import skyknot as sk
-from references.problems import quadrotor_transfer, regulator
 from references.test_riccati import X0, A, B, Q, R, T, cost_to_go
+from skyknot.bank import quadrotor_transfer, regulator
 
 ONE = np.eye(3)
 

@@ -12,7 +12,7 @@ import pytest
 
 import skyknot as sk
 from kernel.stage_problems import Case, problem_of
-from references import problems
+from skyknot import bank as problems
 from skyknot.solvers.interior_point import Prepared
 
 HERE = Path(__file__).parent

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import skyknot as sk
-from references import problems
+from skyknot import bank as problems
 
 FEW = settings(max_examples=6)
 MESH = sk.HermiteSimpson(10)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import skyknot as sk
-from references.problems import regulator
+from skyknot.bank import regulator
 
 N, T = 24, 1.5
 

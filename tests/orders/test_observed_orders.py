@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import skyknot as sk
-from references import problems
+from skyknot import bank as problems
 
 SCHEMES = {
     "euler": (sk.Euler, {}, 1, (160, 320, 640)),

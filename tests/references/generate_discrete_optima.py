@@ -21,8 +21,8 @@ import numpy as np
 if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from references import problems
-from references.problems import Reference
+from skyknot import bank as problems
+from skyknot.bank import Reference
 
 TABLE = Path(__file__).with_name("discrete_optima.json")
 SEGMENTS = (10, 20, 40, 80)

@@ -13,8 +13,8 @@ import pytest
 from scipy.linalg import expm
 
 import skyknot as sk
-from references import problems
-from references.problems import regulator
+from skyknot import bank as problems
+from skyknot.bank import regulator
 
 T = 1.5
 GLOBAL = {

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm, solve_continuous_are
 
 import skyknot as sk
-from references.problems import regulator
+from skyknot.bank import regulator
 
 A = np.array([[0.0, 1.0, 0.0], [-1.0, -0.3, 0.5], [0.2, 0.0, 0.4]])
 B = np.array([[0.0, 0.1], [1.0, 0.0], [0.0, 1.0]])

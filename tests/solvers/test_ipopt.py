@@ -12,7 +12,7 @@ import pytest
 
 import skyknot as sk
 from agreement.variants import ALL_SCHEMES, CASES, PROBLEMS, program_of, random_point
-from references import problems
+from skyknot import bank as problems
 from skyknot.kernel.evaluation import evaluate, residuals
 from skyknot.kernel.program import Multipliers
 from skyknot.solvers.nonlinear_program import nonlinear_program

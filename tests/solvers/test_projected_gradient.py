@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import skyknot as sk
-from references import problems
+from skyknot import bank as problems
 from skyknot import missions
 from skyknot.kernel.evaluation import defects, evaluate, residuals
 from skyknot.kernel.program import Multipliers

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import skyknot as sk
-from references import problems
+from skyknot import bank as problems
 from skyknot.solvers import SOLVERS
 
 CART_POLE = problems.cart_pole().problem

@@ -1,0 +1,110 @@
+"""Controls that appear linearly and rest on no bound: the Hamiltonian does not tell them.
+
+Legend: y, x states, u control, t time, J cost.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from skyknot.bank.base import COMPUTED, Array, Recipe, Reference, line
+from skyknot.problem.horizon import Free
+from skyknot.problem.problem import Problem
+from skyknot.transcription import Lobatto, Radau
+
+
+def neuenhofen_kerrigan() -> Reference:
+    """∫(y² + u cos t) over a quarter turn, ẏ = y²/2 + u, y(0) = 0, −3/2 ≤ u ≤ 1.
+
+    y = −sin t/(2 − cos t), u = ½ − (3/2)/(2 − cos t)², costate −cos t.
+    """
+    T = 0.5 * np.pi
+
+    def state(t: Array) -> Array:
+        return np.asarray((-np.sin(t) / (2 - np.cos(t)))[:, None])
+
+    def control(t: Array) -> Array:
+        return np.asarray((0.5 - 1.5 / (2 - np.cos(t)) ** 2)[:, None])
+
+    problem = Problem(
+        "neuenhofen-kerrigan",
+        ["y"],
+        ["u"],
+        lambda y, u: [0.5 * y[0] ** 2 + u[0]],
+        horizon=T,
+        initial=[0.0],
+        running_cost=lambda y, u, t: y[0] ** 2 + u[0] * ca.cos(t),
+        control_bounds=(-1.5, 1.0),
+    )
+    # ∫(y² + u cos t) by Gauss–Legendre quadrature: the integrand is analytic, 40 points are exact
+    points, weights = np.polynomial.legendre.leggauss(40)
+    t = 0.5 * T * (points + 1)
+    integrand = state(t)[:, 0] ** 2 + control(t)[:, 0] * np.cos(t)
+    source = "closed form: Neuenhofen & Kerrigan, arXiv 1810.04059, problem 1"
+    return Reference(
+        problem,
+        float(0.5 * T * weights @ integrand),
+        source,
+        None,
+        state,
+        control,
+        lambda t: np.asarray(-np.cos(t)[:, None]),
+        recipe=Recipe(Radau(4, 8, controls="polynomial"), tolerance=1e-9),
+    )
+
+
+def aly_chan() -> Reference:
+    """½∫(x2² − x1²) over a quarter turn, ẋ1 = x2, ẋ2 = u, |u| ≤ 1, from (0, 1): u = −sin t."""
+    problem = Problem(
+        "aly-chan",
+        ["x1", "x2"],
+        ["u"],
+        lambda x, u: [x[1], u[0]],
+        horizon=0.5 * np.pi,
+        initial=[0.0, 1.0],
+        running_cost=lambda x, u: 0.5 * (x[1] ** 2 - x[0] ** 2),
+        control_bounds=(-1.0, 1.0),
+    )
+    source = "closed form: Aly & Chan, Optimal Control Appl. Meth. 2 (1981): singular throughout"
+    return Reference(problem, 0.0, source, recipe=Recipe(Lobatto(4, 8), tolerance=1e-9))
+
+
+def goddard() -> Reference:
+    """Highest flight of a sounding rocket: full thrust, a singular arc, coasting.
+
+    h height, v speed, m mass in units of the start; drag 310 v² e^(−500 (h − 1)), gravity 1/h².
+    """
+
+    def dynamics(x: ca.SX, u: ca.SX) -> list[ca.SX]:
+        h, v, m = x[0], x[1], x[2]
+        drag = 310 * v**2 * ca.exp(-500 * (h - 1))
+        return [v, (u[0] - drag) / m - 1 / h**2, -u[0] / 0.5]
+
+    problem = Problem(
+        "goddard",
+        ["h", "v", "m"],
+        ["thrust"],
+        dynamics,
+        horizon=Free(0.05, 0.6, 0.2),
+        initial=[1.0, 0.0, 1.0],
+        final=[None, None, 0.6],
+        terminal_cost=lambda x, tf: -x[0],
+        state_bounds=([1.0, 0.0, 0.6], [None, None, 1.0]),
+        control_bounds=(0.0, 3.5),
+    )
+    source = (
+        "computed with the three arcs as phases; problem of Dolan, Moré & Munson, COPS 3.0 (2004),"
+        " who print 1.01284"
+    )
+    start = line(0.2, [1.0, 0.05, 1.0], [1.01, 0.0, 0.6], [3.5], [0.0])
+    return Reference(
+        problem,
+        -1.01283691859,
+        source,
+        start,
+        kind=COMPUTED,
+        digits=12,
+        switches=(0.02350968431, 0.07267074300),
+        recipe=Recipe(Radau(40, 3), accuracy=1e-5, tolerance=1e-8),
+    )
