@@ -58,7 +58,7 @@ def examine(
     problem : the problem solved; needed for a solution read from a file
     transcription : the scheme it was solved with, its mesh aside; found from the solution where it
         is one of the schemes by their default number of points
-    limits : limits other than the defaults
+    limits : limits other than the defaults of the vehicle's class
 
     Raises
     ------
@@ -74,7 +74,7 @@ def examine(
             expected="a solution with its multipliers, and the problem that was solved",
             do="Pass the problem; solve again if the file is of an earlier version.",
         )
-    chosen = limits or Limits()
+    chosen = limits or Limits.of(asked.vehicle)
     known = replace(solution, problem=asked)
     scheme = _scheme(known, transcription)
     base = certify(

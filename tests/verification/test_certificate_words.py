@@ -6,12 +6,15 @@ import math
 import pytest
 from drone_on_rail import problem
 
+import skyknot as sk
 from skyknot.errors import UserError
+from skyknot.models.vehicle import KINDS
 from skyknot.problem.problem import Problem
 from skyknot.solve import solve
 from skyknot.trajectory import Trajectory
 from skyknot.transcription import HermiteSimpson
 from skyknot.verification import Certificate, Check, Limits, certify
+from skyknot.verification.tolerances import CLASSES
 
 
 @pytest.fixture(scope="module")
@@ -88,6 +91,25 @@ def test_a_certificate_of_nothing_does_not_pass():
 def test_the_load_of_a_value_without_room_is_infinite():
     check = Check("ends", 1e-3, 0.0, "m", False, "Compared.", "x at 0 s")
     assert check.load == math.inf
+
+
+def test_craft_that_carry_people_have_limits_of_their_own(answer):
+    large = sk.vehicles.load("nasa_six_passenger")
+    assert Limits.of(large).clearance == 0.1
+    assert Limits.of(large, clearance=0.02).clearance == 0.02
+    assert Limits.of(sk.vehicles.load("crazyflie")) == Limits.of(None) == Limits()
+    asked = problem()
+    asked.vehicle = large
+    assert certify(asked, answer).checks["open-loop flight"].limit == 0.1
+    assert set(CLASSES) == set(KINDS)
+
+
+def test_information_is_not_what_comes_closest_to_its_limit():
+    told = Check("told", 99, 100, "%", True, "Told.", "", information=True)
+    judged = Check("judged", 1, 100, "m", True, "Judged.", "")
+    certificate = Certificate("both", {"told": told, "judged": judged})
+    assert "'judged', at 1 %" in certificate.sentence
+    assert certificate.table().splitlines()[1].startswith("info  told")
 
 
 def test_a_limit_must_be_positive():

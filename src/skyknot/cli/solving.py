@@ -158,8 +158,9 @@ def certified(mission: Mission, solution: Solution) -> Certificate:
 
 
 def limits_of(mission: Mission) -> Limits:
-    """Return the certificate's limits: the mission's own, or the defaults."""
-    return Limits(**mission.file.verification.model_dump(exclude_none=True))
+    """Return the certificate's limits: the mission's own, else those of the vehicle's class."""
+    given = mission.file.verification.model_dump(exclude_none=True)
+    return Limits.of(mission.vehicle, **given)
 
 
 def exit_of(solution: Solution, certificate: Certificate | None) -> Exit:

@@ -39,6 +39,7 @@ class Check:
     passed : whether every quantity keeps its limit
     how : one sentence: how it was measured
     worst : which quantity, and when; empty when nothing exceeds anything
+    information : whether it only tells something and cannot fail
     """
 
     name: str
@@ -48,6 +49,7 @@ class Check:
     passed: bool
     how: str
     worst: str
+    information: bool = False
 
     @property
     def load(self) -> float:

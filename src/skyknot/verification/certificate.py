@@ -38,7 +38,8 @@ class Certificate:
         """The verdict in one sentence."""
         count = len(self.checks)
         if self.passed:
-            tightest = max(self.checks.values(), key=lambda check: check.load)
+            judged = [check for check in self.checks.values() if not check.information]
+            tightest = max(judged or self.checks.values(), key=lambda check: check.load)
             return (
                 f"Certified: all {count} checks hold; the closest to its limit is"
                 f" '{tightest.name}', at {100 * tightest.load:.2g} % of it."
@@ -59,7 +60,7 @@ class Certificate:
         head = ("", "check", "value", "limit", "worst")
         rows = [
             (
-                "pass" if check.passed else "FAIL",
+                "info" if check.information else "pass" if check.passed else "FAIL",
                 check.name,
                 quantity(check.value, check.unit),
                 quantity(check.limit, check.unit),

@@ -75,7 +75,7 @@ def certify(
         segment data it is read as linear between nodes
     parameters : values of the free parameters found; the problem's own where left out; others are
         not taken from here
-    limits : limits other than the defaults
+    limits : limits other than the defaults of the vehicle's class
     witness : the scheme's rows and the multipliers, as the solution claims them; without it
         nothing is said about optimality
 
@@ -85,7 +85,7 @@ def certify(
         When the trajectory's columns do not fit the problem.
     """
     evidence = Evidence(problem, trajectory, parameters or {}, witness)
-    chosen = limits or Limits()
+    chosen = limits or Limits.of(problem.vehicle)
     found = [check(evidence, chosen) for check in CHECKS]
     checks = {check.name: check for check in found if check is not None}
     return Certificate(problem.name, checks, _notes(evidence))

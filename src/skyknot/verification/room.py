@@ -129,6 +129,7 @@ def saturation(evidence: Evidence, _limits: Limits) -> Check | None:
             f"{name} {time:.2g} %" if time > 0 else f"{name} keeps {room:.2g} %"
             for name, time, room in told
         ),
+        information=True,
     )
 
 

@@ -8,6 +8,14 @@ import numpy as np
 
 from skyknot.errors import UserError
 
+CLASSES: dict[str, dict[str, float]] = {
+    "small": {},
+    "passenger": {"clearance": 0.1, "flight_rms": 0.1},
+}
+"""What differs by class of vehicle (``models.vehicle.KINDS``). A craft that carries people measures
+ten metres and more across, flies in airspace that is surveyed to a decimetre, and moves through
+states ten times as large."""
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -19,7 +27,8 @@ class Limits:
         user's units for quantities up to 1, relative to their size above: the tolerance that
         solvers are asked for by default.
     clearance : metres by which a length (unit "m") may pass its limit between nodes. One centimetre
-        lies below the error of any positioning system flown outdoors.
+        lies below the error of any positioning system flown outdoors. What is proved instead of
+        sampled may be a tenth more, for the room that the proof needs.
     between_nodes : share of its room by which any other state or constraint on states may pass its
         limit between nodes. One per cent is the accuracy to which such limits are known.
     control_excess : share of its room by which a control passes its bounds, averaged over the
@@ -69,6 +78,18 @@ class Limits:
     minimum: float = 0.01
     curvature: float = 1e-6
     closed_loop: float = 0.02
+
+    @classmethod
+    def of(cls, vehicle: object, **given: float) -> Limits:
+        """Return the limits of a vehicle's class, some of them given; of a small one for None.
+
+        Parameters
+        ----------
+        vehicle : anything with a ``kind``, one of ``CLASSES``
+        given : limits by name that replace the defaults
+        """
+        kind = getattr(vehicle, "kind", "small")
+        return cls(**(CLASSES.get(kind, {}) | given))
 
     def __post_init__(self) -> None:
         for name in self.__dataclass_fields__:
