@@ -10,9 +10,11 @@ from pathlib import Path
 import pytest
 
 import skyknot as sk
+from agreement.variants import PROBLEMS
 from architecture.source_tree import module_name, python_files, room_of
 from architecture.test_arrows import ARROWS
 from skyknot.bench.observed_orders import QUANTITIES, cases
+from skyknot.examination import examine
 from skyknot.export import FORMATS
 from skyknot.solvers import SOLVERS
 from skyknot.transcription import DOORS
@@ -90,6 +92,15 @@ def test_every_scheme_and_solver_has_its_line(name):
 def test_every_export_format_has_its_row(name):
     page = (DOCS / "exports.md").read_text(encoding="utf-8")
     assert f"\n| `{name}` |" in page
+
+
+def test_every_check_has_its_row():
+    """Two problems have between them everything that a certificate looks at."""
+    plain, rich = (sk.solve(PROBLEMS[n], sk.HermiteSimpson(8)) for n in ("plain", "everything"))
+    names = {*examine(plain).checks, *rich.verify().checks}
+    page = (DOCS / "certificate.md").read_text(encoding="utf-8")
+    rows = "\n".join(re.findall(r"^\| (`.*?) \|", page, re.MULTILINE))
+    assert names == set(re.findall(r"`([^`]+)`", rows))
 
 
 def test_the_architecture_draws_the_arrows_that_are_enforced():
