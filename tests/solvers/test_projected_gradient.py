@@ -65,6 +65,14 @@ def test_the_reports_figures_are_met_within_300_iterations(structured):
     assert found.complementarity <= 1e-9
 
 
+def test_on_a_refined_mesh_its_answer_is_certified():
+    solution = sk.solve(
+        TRANSFER.problem, sk.HermiteSimpson(25), "projected-gradient", accuracy=1e-4
+    )
+    certificate = solution.verify()
+    assert certificate.passed, certificate.sentence
+
+
 def test_the_metric_is_factored_once_and_reused(structured):
     work = structured.record.work
     assert work["linearisations"] <= 10

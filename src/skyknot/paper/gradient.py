@@ -31,6 +31,9 @@ SAID_ITERATIONS = (250, 300)
 SAID_SAVING, SAID_OPTIMALITY = 0.32, 1e-3
 """What the source report says in sections 5.3 and 5.4."""
 
+DEFECT, OPTIMALITY = 1e-6, 1e-5
+"""Tolerances of errors (19) and (20)."""
+
 FORMS = ("structured", "printed", "multipliers")
 
 SAME = 1e-4
@@ -68,7 +71,8 @@ def iterations_and_time(scale: Scale) -> Finding:
         how=(
             f"Report's transfer, N = {N}, from a straight line at hover, Barzilai–Borwein steps, at"
             f" most {most} iterations: as printed, with multipliers (17), and structured. A run"
-            " ends when defects (19) are below 1e-6 and optimality (20) below 1e-4."
+            f" ends when defects (19) are below {DEFECT:g} and optimality (20) below"
+            f" {OPTIMALITY:g}."
         ),
         verdict=judged(
             printed.success and printed.iterations <= SAID_ITERATIONS[1],
@@ -174,8 +178,12 @@ def descent(segments: int, goal: Goal = GOAL, **settings: Any) -> Solution:
 
     From a straight line at hover, where all forms and step lengths begin.
     """
-    problem, solver = transfer(goal), {"name": "projected-gradient", **settings}
-    return solve(problem, scheme(segments), solver=solver, guess=straight_line(problem))
+    problem, solver = (
+        transfer(goal),
+        {"name": "projected-gradient", "optimality_tolerance": OPTIMALITY, **settings},
+    )
+    guess = straight_line(problem)
+    return solve(problem, scheme(segments), solver=solver, guess=guess, tolerance=DEFECT)
 
 
 def _history(run: Solution) -> dict[str, list[float]]:

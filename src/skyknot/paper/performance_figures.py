@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullFormatter
 
 from skyknot.paper.base import Finding, slope
+from skyknot.paper.gradient import DEFECT, OPTIMALITY
 from skyknot.report import style
 from skyknot.report.progress import power_of_ten
 
@@ -59,8 +60,12 @@ def draw_convergence(figure: Any, findings: dict[str, Finding]) -> str:
             axes.plot(np.arange(len(values)) + 1, values, color=color, linestyle=dashes,
                       linewidth=width, label=form)  # fmt: skip
             axes.plot(len(values), values[-1], "o", color=color, markersize=4.5)
-        limit = 1e-6 if name == "defect" else 1e-4
-        axes.axhline(limit, color=style.MUTED, linewidth=0.9, linestyle=(0, (5, 3)))
+        axes.axhline(
+            DEFECT if name == "defect" else OPTIMALITY,
+            color=style.MUTED,
+            linewidth=0.9,
+            linestyle=(0, (5, 3)),
+        )
         axes.set_title(title)
         axes.set_xlabel("iteration + 1")
         logarithmic(axes, x=True)

@@ -51,7 +51,7 @@ class ProjectedGradient:
         "printed" is Algorithm 1 to the letter, which finds no feasible optimum and says so
     step_length : fixed step length α; None for Barzilai and Borwein's, equation (18)
     optimality_tolerance : largest entry of ∇J + ∇cᵀλ, equation (20), in the user's units; never
-        more than a hundred times the tolerance of ``solve``, which is for the defects (19)
+        more than ten times the tolerance of ``solve``, which is for the defects (19)
     max_iterations : stop after this many iterations
     max_seconds : stop after this much time, s
 
@@ -63,7 +63,7 @@ class ProjectedGradient:
 
     form: str = "structured"
     step_length: float | None = None
-    optimality_tolerance: float = 1e-4
+    optimality_tolerance: float = 1e-5
     max_iterations: int = 1000
     max_seconds: float = 600.0
     name: str = "projected-gradient"
@@ -211,7 +211,7 @@ class _Run:
     undefined: str = ""
 
     def __post_init__(self) -> None:
-        self.optimality = min(self.settings.optimality_tolerance, 100.0 * self.tolerance)
+        self.optimality = min(self.settings.optimality_tolerance, 10.0 * self.tolerance)
         self.started = time.perf_counter()
 
     def see(
