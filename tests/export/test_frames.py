@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import combinations, permutations, product
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as npst
 from scipy.spatial.transform import Rotation
 
 from export.flights import MOTIONS, state_of
@@ -114,6 +119,49 @@ def test_signs_do_not_jump_when_the_craft_turns_round_and_round():
     assert np.all(np.einsum("mi,mi->m", q[:-1], q[1:]) > 0.99)
     mixed = q * np.where(np.arange(400) % 3 == 0, -1, 1)[:, None]
     np.testing.assert_array_equal(continuous(mixed), q)
+
+
+SIGNED_PERMUTATIONS = [
+    np.eye(3)[list(order)] * np.array(signs)[:, None]
+    for order in permutations(range(3))
+    for signs in product((1.0, -1.0), repeat=3)
+]
+
+
+@pytest.mark.parametrize("columns", [(0, 1, 2), (3, 4, 5), (9, 10, 11)])
+def test_the_asymmetric_path_would_show_every_wrong_choice_of_axes(columns):
+    """No two of the 48 ways to name and sign three axes look alike on it."""
+    vectors = state_of(MOTIONS["asymmetric path"], TIMES)[:, list(columns)]
+    for one, other in combinations(SIGNED_PERMUTATIONS, 2):
+        assert np.abs(vectors @ one.T - vectors @ other.T).max() > 0.05
+
+
+@pytest.mark.parametrize("frame", [0, 1], ids=["ned", "enu"])
+def test_the_asymmetric_path_would_show_every_wrong_order_or_sign_of_a_quaternion(frame):
+    q = attitude("asymmetric path")[frame]
+    right = Rotation.from_quat(q[:, [1, 2, 3, 0]])
+    seen = 0
+    for order, signs in product(permutations(range(4)), product((1.0, -1.0), repeat=4)):
+        if order == (0, 1, 2, 3) and len(set(signs)) == 1:
+            continue  # q and −q are one rotation
+        wrong = Rotation.from_quat((q[:, list(order)] * signs)[:, [1, 2, 3, 0]])
+        assert (wrong * right.inv()).magnitude().max() > 0.05, (order, signs)
+        seen += 1
+    assert seen == 24 * 16 - 2
+
+
+@given(
+    npst.arrays(float, 3, elements=st.floats(-3.1, 3.1)),
+    npst.arrays(float, 3, elements=st.floats(-9, 9)),
+)
+def test_turning_the_axes_twice_brings_them_back(angles, vector):
+    q = quaternion_of_angles(angles[None])
+    np.testing.assert_array_equal(enu_from_ned(enu_from_ned(vector)), vector)
+    np.testing.assert_array_equal(flu_from_frd(flu_from_frd(vector)), vector)
+    twice = enu_attitude_from_ned(enu_attitude_from_ned(q))
+    assert abs(abs(np.sum(q * twice)) - 1) < 1e-12
+    turned_body = rotated(enu_attitude_from_ned(q), flu_from_frd(vector[None]))
+    np.testing.assert_allclose(turned_body, enu_from_ned(rotated(q, vector[None])), atol=1e-13)
 
 
 def test_the_other_order_of_quaternions_moves_w_only():
