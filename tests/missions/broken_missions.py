@@ -153,6 +153,16 @@ BROKEN = (
         "scheme.segments is out of range", "line 39", "0", "1 or more", "Give a number 1 or more",
     ),
     Broken(
+        "negative_accuracy", "segments = 40", "segments = 40\naccuracy = -1e-4",
+        "scheme.accuracy is out of range", "line 40, scheme.accuracy", "-0.0001", "1e-10 or more",
+        "Give a number 1e-10 or more.",
+    ),
+    Broken(
+        "accuracy_in_a_word", "segments = 40", 'segments = 40\naccuracy = "of"',
+        "scheme.accuracy is not what it should be", "line 40, scheme.accuracy", "'of'",
+        "'off': the first mesh alone", "Write a number, without quotes.",
+    ),
+    Broken(
         "negative_speed", SPEED, "speed = -6.0",
         "limits.speed is out of range", "line 25", "-6.0", "above 0", "Give a number above 0",
     ),

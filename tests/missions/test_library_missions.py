@@ -67,6 +67,15 @@ def test_the_control_is_smooth_and_not_bang_bang(name: str) -> None:
     assert np.mean(at_a_bound) < 0.15
 
 
+def test_refining_the_report_transfer_costs_at_most_three_solves_on_a_hundred_segments() -> None:
+    """Counted as iterations times segments, which is what the time of a solve grows with."""
+    mission, refined, _ = answer("report_transfer")
+    even = {"transcription": sk.HermiteSimpson(100), "accuracy": None}
+    solution = sk.solve(mission.problem, **(mission.settings() | even))
+    work = sum(entry.iterations * entry.segments for entry in refined.rounds)
+    assert work <= 3 * solution.iterations * solution.record.segments
+
+
 def test_three_times_the_segments_of_the_report_transfer_laid_evenly_fly_far_worse() -> None:
     mission, refined, certificate = answer("report_transfer")
     even = {"transcription": sk.HermiteSimpson(3 * refined.record.segments), "accuracy": None}

@@ -39,7 +39,8 @@ def validated(text: MissionText) -> MissionFile:
         return MissionFile.model_validate(text.data)
     except ValidationError as error:
         faults = error.errors(include_url=False)
-        raise _told(text, _gravest(faults), len(faults)) from None
+        places = {_path(text.data, fault["loc"]) for fault in faults}
+        raise _told(text, _gravest(faults), len(places)) from None
 
 
 def nearest(word: object, known: Iterable[str], otherwise: str) -> str:
@@ -68,7 +69,7 @@ def _path(data: Any, location: Sequence[str | int]) -> Path:
         entry = isinstance(data, list) and isinstance(part, int) and part < len(data)
         if inside or entry:
             data = data[part]
-        elif i < len(location) - 1:
+        elif i < len(location) - 1 or not isinstance(data, dict | list):
             continue
         path = (*path, part)
     return path
