@@ -99,7 +99,10 @@ def algorithm(findings: dict[str, Finding]) -> Story:
             "Equation (17) puts the multipliers of the defects into the gradient. Taken at its word"
             " it is the method of multipliers, and converges to the right thing, slowly: after"
             f" {number['iterations, with multipliers']:.0f} iterations the optimality error is"
-            f" {written(number['optimality error (20), with multipliers'], 2)}.",
+            f" {written(number['optimality error (20), with multipliers'], 2)}; after"
+            f" {number['iterations, with multipliers, long run']:.0f} the largest defect is"
+            f" {written(number['defect (19) then, long run'], 2)} and J is"
+            f" {written(number['J then off the optimum, long run'], 2)} % off.",
             "What meets the report's figures is the same loop in another metric. Each gradient step"
             " is projected on the linearised defects and the bounds, in a Gauss–Newton matrix that"
             " a Riccati sweep factors once and later steps reuse; the multipliers come from the"
