@@ -50,6 +50,15 @@ def test_every_mission_shown_is_solved_and_certified(text):
     assert certificate.passed, certificate.sentence
 
 
+def test_the_problem_of_the_front_page_is_solved_and_certified():
+    (code,) = re.findall(r"^```python\n(.*?)^```$", (ROOT / "README.md").read_text(), re.M | re.S)
+    shown: dict[str, sk.Solution] = {}
+    exec(compile(code, "README.md", "exec"), shown)
+    assert shown["solution"].success
+    certificate = shown["solution"].verify()
+    assert certificate.passed, certificate.sentence
+
+
 @pytest.mark.parametrize("status", sk.Status)
 def test_every_status_has_its_advice(status):
     page = (DOCS / "my-problem-does-not-solve.md").read_text(encoding="utf-8")
