@@ -65,6 +65,9 @@ What the table shows:
   adjoint is exact for constants where the number of points is odd, and for nothing where it is
   even. Where the optimal control depends on the costate the order is 4 or 2, however many points.
 - Held and linear controls limit the order to 2 and 4 whatever the points.
+- With a control of its own at every stage the claimed orders are those of the order conditions: all
+  two-coloured rooted trees of the scheme and its discrete adjoint, counted through up to eight
+  vertices in `tests/transcription/test_optimality_trees.py`.
 """
 
 ON_STABILITY = """\
