@@ -1,13 +1,16 @@
-"""Draw the pictures of README.md: the city mission, and the problem that README.md itself states.
+"""Draw the pictures of README.md: the city mission, its replay, and the problem stated there.
 
-Run: python docs/pictures/make_pictures.py
+Run: python docs/pictures/make_pictures.py (the replay needs Debian's chromium)
 """
 
 import re
+import shutil
+import tempfile
 from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
+from playwright.sync_api import sync_playwright
 
 import skyknot as sk
 
@@ -32,7 +35,27 @@ def round_the_tower() -> Figure:
     return names["solution"].plot("path")
 
 
+def replay(path: Path) -> None:
+    """Write a picture of the city mission's replay, as a browser shows it."""
+    mission = sk.missions.load("city_hop")
+    solution = sk.solve(mission.problem, **mission.settings())
+    flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"]
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as driver:
+        page_file = solution.report(Path(folder) / "report.html")
+        browser = driver.chromium.launch(
+            executable_path=shutil.which("chromium"), args=[*flags, "--enable-unsafe-swiftshader"]
+        )
+        page = browser.new_page(viewport={"width": 1160, "height": 860})
+        page.goto(page_file.as_uri())
+        page.locator("[data-part=scrub]").evaluate(
+            "e => { e.value = 400; e.dispatchEvent(new Event('input')); }"
+        )
+        page.locator(".replay-view").screenshot(path=path)
+        browser.close()
+
+
 if __name__ == "__main__":
+    replay(FOLDER / "replay.png")
     for draw in (city_hop, round_the_tower):
         draw().savefig(
             FOLDER / f"{draw.__name__}.png", dpi=DOTS_PER_INCH, metadata={"Software": None}

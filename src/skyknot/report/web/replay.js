@@ -2,7 +2,9 @@
 
 const RATES = [0.05, 0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 32];
 const PLEASANT = 20; // seconds that a whole flight should take on the screen, at most
-const SMALLEST = 0.05; // span of the drawn craft over its distance from the viewer, at least
+const SLOW = 0.08; // seconds a picture may take before the replay draws coarser while it plays
+const COARSE = 0.5; // share of the resolution then
+const SMALLEST = 0.065; // span of the drawn craft over its distance from the viewer, at least
 
 class Replay {
   constructor(root, data) {
@@ -24,8 +26,7 @@ class Replay {
     this.named = root.clientWidth > 640;
     this.build();
     this.connect();
-    new ResizeObserver(() => this.resize()).observe(this.canvas.parentElement);
-    this.resize();
+    new ResizeObserver(() => this.resize()).observe(this.canvas.parentElement); // the first draw too
   }
 
   build() {
@@ -93,7 +94,17 @@ class Replay {
     play.dataset.state = this.playing ? "playing" : "paused";
     play.setAttribute("aria-label", this.playing ? "Pause" : "Play");
     this.before = performance.now();
+    this.slow = 0;
+    if (!this.playing) this.sharpen(1);
     if (this.playing) requestAnimationFrame((now) => this.tick(now));
+  }
+
+  /** Set the resolution, as a share of the screen's own. */
+  sharpen(share) {
+    const ratio = share * Math.min(window.devicePixelRatio, 2);
+    if (this.renderer.getPixelRatio() === ratio) return;
+    this.renderer.setPixelRatio(ratio);
+    this.draw();
   }
 
   toggleNames() {
@@ -122,6 +133,8 @@ class Replay {
   tick(now) {
     if (!this.playing) return;
     const seconds = Math.min(Math.max((now - this.before) / 1000, 0), 0.25);
+    this.slow = seconds > SLOW ? this.slow + 1 : 0;
+    if (this.slow > 2) this.sharpen(COARSE);
     this.before = now;
     this.time = Math.min(this.time + seconds * this.rate, this.duration);
     this.move(seconds);

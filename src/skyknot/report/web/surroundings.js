@@ -228,7 +228,7 @@ function windArrow(wind, palette, low, high) {
   const speed = way.length();
   const length = 0.9 * gridSpacing(low, high);
   const group = arrow(way.normalize(), length, palette.glass);
-  group.position.set(low.x, high.y, low.z + 0.75 * (high.z - low.z));
+  group.position.set(low.x, 0.7 * low.y + 0.3 * high.y, low.z + 0.3 * (high.z - low.z));
   const name = label(`wind ${speed.toPrecision(2)} m/s`, palette.ink, palette.ground, 13);
   name.position.set(0, 0, 0.35 * length);
   group.add(name);
@@ -268,6 +268,7 @@ function label(text, color, halo, pixels = 12) {
   pen.fillStyle = color;
   pen.fillText(text, canvas.width / 2, canvas.height / 2);
   const texture = new THREE.CanvasTexture(canvas);
+  texture.colorSpace = "srgb";
   const sprite = new THREE.Sprite(new THREE.SpriteMaterial({
     map: texture, sizeAttenuation: false, depthWrite: false, transparent: true, fog: false,
   }));

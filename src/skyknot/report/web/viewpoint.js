@@ -88,7 +88,7 @@ class Viewpoint {
       target.addScaledVector(right, middle(0)).addScaledVector(up, middle(1));
     }
     this.controls.target.copy(target);
-    this.camera.position.copy(target).addScaledVector(way, 1.09 * away);
+    this.camera.position.copy(target).addScaledVector(way, 1.14 * away);
   }
 
   /** Keep up with the craft; `share` is how far to swing behind it at once. */
