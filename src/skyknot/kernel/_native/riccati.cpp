@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "cholesky.hpp"
 #include "small_matrix.hpp"
@@ -47,9 +46,8 @@ bool Riccati::factor_stage(int k) {
     const int carried = ns - nx;
 
     // M = P [A; carry]
-    std::memset(M, 0, size(sp, wp) * sizeof(double));
-    multiply_add(next, sp, A, wp, 1, M, sp, sp, nx, nv);
-    multiply_add(next, sp, A + vp, wp, 1, M + vp * sp, sp, sp, nx, ns);
+    multiply({}, next, sp, A, wp, 1, M, sp, sp, nx, nv);
+    multiply({}, next, sp, A + vp, wp, 1, M + vp * sp, sp, sp, nx, ns);
     for (int i = 0; i < carried; ++i) {
         double* column = M + structure_.v_carried(i) * sp;
         const double* from = next + (nx + i) * sp;
@@ -57,8 +55,7 @@ bool Riccati::factor_stage(int k) {
     }
     // v columns of C, all rows, then their Cholesky factor in place
     double* Lk = L(k);
-    std::memcpy(Lk, H, size(wp, nv) * sizeof(double));
-    multiply_add(A, wp, M, 1, sp, Lk, wp, wp, nx, nv);
+    multiply({H, wp}, A, wp, M, 1, sp, Lk, wp, wp, nx, nv);
     for (int j = 0; j < nv; ++j)
         for (int i = 0; i < carried; ++i) Lk[j * wp + structure_.v_carried(i)] += M[j * sp + nx + i];
     double* inverse = inverse_.get() + k * vp;
@@ -74,9 +71,8 @@ bool Riccati::factor_stage(int k) {
     for (int c = 0; c < sp; c += 8) {
         const int count = std::min(8, ns - c), rows = sp - c;
         double* corner = here + c * sp + c;
-        for (int j = 0; j < count; ++j)
-            std::memcpy(corner + j * sp, H + layout_.H(vp + c, vp + c + j), size(rows) * sizeof(double));
-        multiply_add(A + vp + c, wp, M + (vp + c) * sp, 1, sp, corner, sp, rows, nx, count);
+        multiply({H + layout_.H(vp + c, vp + c), wp}, A + vp + c, wp, M + (vp + c) * sp, 1, sp, corner,
+                 sp, rows, nx, count);
         multiply_add(Lk + vp + c, wp, Lk + vp + c, wp, 1, corner, sp, rows, nv, count, -1.0);
         for (int r = 8; r < rows; r += 8) mirror(corner + r, corner + r * sp, sp, std::min(8, ns - c - r));
     }
@@ -115,18 +111,16 @@ Riccati::RightSide Riccati::right_side() const {
 
 void Riccati::backward(RightSide& right) const {
     const auto [nx, nq, ns, nv, vp, sp, wp] = layout_;
-    std::memcpy(right.p.get() + N_ * sp, right.terminal.get(), size(sp) * sizeof(double));
+    copy8(right.terminal.get(), right.p.get() + N_ * sp, sp);
     double* t = right.last.get();
     for (int k = N_ - 1; k >= 0; --k) {
         double* g = right.stages.get() + size(k) * layout_.vector_size();
         const double* r = g + wp;
         const double* A = stage(k) + layout_.A(0, 0);
-        std::memcpy(t, right.p.get() + (k + 1) * sp, size(sp) * sizeof(double));
-        multiply_add(P(k + 1), sp, r, 1, 0, t, sp, sp, nx, 1);
+        multiply({right.p.get() + (k + 1) * sp, 0}, P(k + 1), sp, r, 1, 0, t, sp, sp, nx, 1);
         // the right-hand side itself must survive refinement: work on a copy in w
         double* work = right.w.get() + k * wp;
-        std::memcpy(work, g, size(wp) * sizeof(double));
-        multiply_add(A, wp, t, 1, 0, work, wp, wp, nx, 1);
+        multiply({g, 0}, A, wp, t, 1, 0, work, wp, wp, nx, 1);
         for (int i = 0; i < ns - nx; ++i) work[structure_.v_carried(i)] += t[nx + i];
         const double* Lk = L(k);
         const double* inverse = inverse_.get() + k * vp;
@@ -137,7 +131,7 @@ void Riccati::backward(RightSide& right) const {
             const double* column = Lk + p * wp;
             for (int i = p / 8 * 8; i < wp; ++i) work[i] -= value * column[i];
         }
-        std::memcpy(right.p.get() + k * sp, work + vp, size(sp) * sizeof(double));
+        copy8(work + vp, right.p.get() + k * sp, sp);
     }
 }
 
@@ -145,7 +139,7 @@ void Riccati::forward(RightSide& right) const {
     const auto [nx, nq, ns, nv, vp, sp, wp] = layout_;
     const int n = static_cast<int>(free_.size());
     double* s = right.last.get();
-    std::memset(s, 0, size(sp) * sizeof(double));
+    std::fill_n(s, sp, 0.0);
     const double* p0 = right.p.get();
     for (int i = 0; i < n; ++i) {
         double sum = -p0[free_[size(i)]];
@@ -159,11 +153,10 @@ void Riccati::forward(RightSide& right) const {
     }
     for (int k = 0; k <= N_; ++k) {
         double* costate = right.costate.get() + k * sp;
-        std::memcpy(costate, right.p.get() + k * sp, size(sp) * sizeof(double));
-        multiply_add(P(k), sp, s, 1, 0, costate, sp, sp, ns, 1);
+        multiply({right.p.get() + k * sp, 0}, P(k), sp, s, 1, 0, costate, sp, sp, ns, 1);
         if (k == N_) break;
         double* w = right.w.get() + k * wp;
-        std::memcpy(w + vp, s, size(sp) * sizeof(double));
+        copy8(s, w + vp, sp);
         const double* Lk = L(k);
         const double* inverse = inverse_.get() + k * vp;
         for (int p = nv - 1; p >= 0; --p) {
@@ -177,7 +170,6 @@ void Riccati::forward(RightSide& right) const {
         for (int i = nv; i < vp; ++i) w[i] = 0.0;
         const double* A = stage(k) + layout_.A(0, 0);
         const double* r = right.stages.get() + size(k) * layout_.vector_size() + wp;
-        std::memset(s, 0, size(sp) * sizeof(double));
         for (int i = 0; i < nx; ++i) {
             Vector8 dot{};
             for (int c = 0; c < wp; c += 8) dot += load8(A + i * wp + c) * load8(w + c);

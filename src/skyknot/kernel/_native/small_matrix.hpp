@@ -5,10 +5,22 @@
 
 namespace skyknot::inline SKYKNOT_ISA {
 
-// C(:, j) += sign Σ_l A(:, l) B(l, j) for R vectors of eight rows and J columns.
+// A library call costs more than these few vectors; `count` is a multiple of eight.
+SKYKNOT_INLINE void copy8(const double* from, double* to, int count) {
+    for (int i = 0; i < count; i += 8) store8(to + i, load8(from + i));
+}
+
+// What a product is added to: nothing, or a matrix, which may be the result itself.
+struct Base {
+    const double* at = nullptr;
+    int stride = 0;
+};
+
+// C(:, j) = base(:, j) + sign Σ_l A(:, l) B(l, j) for R vectors of eight rows and J columns.
 template <int R, int J>
-[[gnu::always_inline]] inline void block(const double* A, int lda, const double* B, int b_row,
-                                         int b_column, double* C, int ldc, int depth, double sign) {
+[[gnu::always_inline]] inline void block(Base base, const double* A, int lda, const double* B,
+                                         int b_row, int b_column, double* C, int ldc, int depth,
+                                         double sign) {
     Vector8 sum[R][J];
     for (int r = 0; r < R; ++r)
         for (int j = 0; j < J; ++j) sum[r][j] = Vector8{};
@@ -23,32 +35,43 @@ template <int R, int J>
     for (int j = 0; j < J; ++j)
         for (int r = 0; r < R; ++r) {
             double* c = C + j * ldc + 8 * r;
-            store8(c, load8(c) + sign * sum[r][j]);
+            if (base.at) store8(c, load8(base.at + j * base.stride + 8 * r) + sign * sum[r][j]);
+            else store8(c, sign * sum[r][j]);
         }
 }
 
 template <int R>
-inline void columns(const double* A, int lda, const double* B, int b_row, int b_column, double* C,
-                    int ldc, int depth, int count, double sign) {
-    constexpr int J = R >= 3 ? 4 : 6;
+inline void columns(Base base, const double* A, int lda, const double* B, int b_row, int b_column,
+                    double* C, int ldc, int depth, int count, double sign) {
+    constexpr int J = R >= 3 ? 4 : R == 2 ? 6 : 8;
     int j = 0;
+    const auto from = [&]() { return Base{base.at ? base.at + j * base.stride : nullptr, base.stride}; };
     for (; j + J <= count; j += J)
-        block<R, J>(A, lda, B + j * b_column, b_row, b_column, C + j * ldc, ldc, depth, sign);
+        block<R, J>(from(), A, lda, B + j * b_column, b_row, b_column, C + j * ldc, ldc, depth, sign);
     for (; j + 2 <= count; j += 2)
-        block<R, 2>(A, lda, B + j * b_column, b_row, b_column, C + j * ldc, ldc, depth, sign);
+        block<R, 2>(from(), A, lda, B + j * b_column, b_row, b_column, C + j * ldc, ldc, depth, sign);
     for (; j < count; ++j)
-        block<R, 1>(A, lda, B + j * b_column, b_row, b_column, C + j * ldc, ldc, depth, sign);
+        block<R, 1>(from(), A, lda, B + j * b_column, b_row, b_column, C + j * ldc, ldc, depth, sign);
 }
 
-// C += sign A B: A (rows, depth) with leading dimension lda, B read at [l b_row + j b_column],
-// C (rows, count). `rows` is a multiple of eight.
+// C = base + sign A B: A (rows, depth) with leading dimension lda, B read at
+// [l b_row + j b_column], C (rows, count). `rows` is a multiple of eight.
+inline void multiply(Base base, const double* A, int lda, const double* B, int b_row, int b_column,
+                     double* C, int ldc, int rows, int depth, int count, double sign = 1.0) {
+    int r = 0;
+    const auto from = [&]() { return Base{base.at ? base.at + r : nullptr, base.stride}; };
+    for (; rows - r >= 24; r += 24)
+        columns<3>(from(), A + r, lda, B, b_row, b_column, C + r, ldc, depth, count, sign);
+    if (rows - r == 16)
+        columns<2>(from(), A + r, lda, B, b_row, b_column, C + r, ldc, depth, count, sign);
+    if (rows - r == 8)
+        columns<1>(from(), A + r, lda, B, b_row, b_column, C + r, ldc, depth, count, sign);
+}
+
+// C += sign A B.
 inline void multiply_add(const double* A, int lda, const double* B, int b_row, int b_column,
                          double* C, int ldc, int rows, int depth, int count, double sign = 1.0) {
-    int r = 0;
-    for (; rows - r >= 24; r += 24)
-        columns<3>(A + r, lda, B, b_row, b_column, C + r, ldc, depth, count, sign);
-    if (rows - r == 16) columns<2>(A + r, lda, B, b_row, b_column, C + r, ldc, depth, count, sign);
-    if (rows - r == 8) columns<1>(A + r, lda, B, b_row, b_column, C + r, ldc, depth, count, sign);
+    multiply({C, ldc}, A, lda, B, b_row, b_column, C, ldc, rows, depth, count, sign);
 }
 
 }  // namespace skyknot::inline SKYKNOT_ISA
