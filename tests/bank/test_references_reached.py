@@ -11,7 +11,6 @@ import skyknot as sk
 from skyknot.bank import CATALOGUE, judged, minimum_time
 from skyknot.bank.base import COMPUTED, KINDS, OF_THE_HORIZON, RELATIVE, Printed
 from skyknot.bank.catalogue import about
-from skyknot.bank.judgement import switching_times
 
 QUICK = [name for name, make in CATALOGUE.items() if not make().heavy]
 
@@ -79,19 +78,3 @@ def test_a_solve_that_fails_is_missed():
     )
     judgement = judged("hopeless", replace(reference, problem=hopeless))
     assert judgement.complaint.startswith("not solved: ")
-
-
-def test_switching_times_are_read_off_jumps_ramps_and_arcs():
-    problem = sk.Problem(
-        "p",
-        ["x"],
-        ["u"],
-        lambda x, u: [u[0]],
-        horizon=10.0,
-        control_bounds=(-1.0, 1.0),
-    )
-    t = np.array([0.0, 2.0, 2.1, 5.0, 5.001, 8.0, 8.001, 10.0])
-    u = np.array([1.0, 1.0, -1.0, -1.0, 0.3, 0.3, 1.0, 1.0])
-    flown = sk.Trajectory(t, np.zeros((8, 1)), u[:, None])
-    # a jump over 0.1 s, then an arc of three seconds between the bounds
-    np.testing.assert_allclose(switching_times(problem, flown), [2.05, 5.0, 8.0], atol=2e-3)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import skyknot as sk
-from references import problems
+from skyknot import bank as problems
 from skyknot.errors import UserError
 from skyknot.transcription.switches import smeared
 from skyknot.verification.evidence import Evidence

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import skyknot as sk
-from references import problems
+from skyknot import bank as problems
 from skyknot.report.problem_card import solution_rows
 from skyknot.report.reading import Reading
 

@@ -75,11 +75,14 @@ class Recipe:
     scheme : scheme and first mesh
     accuracy : as for ``solve``; None solves on the first mesh only
     tolerance : of the optimality conditions
+    phases : segments for each arc, and Radau points of a segment: the arcs that the answer shows
+        become phases of free length (``arcs``), and that is solved again; None leaves the answer
     """
 
     scheme: Transcription = field(default_factory=lambda: HermiteSimpson(40))
     accuracy: float | Refinement | None = None
     tolerance: float = 1e-10
+    phases: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True)

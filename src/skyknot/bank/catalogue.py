@@ -74,6 +74,7 @@ CATALOGUE: dict[str, Callable[[], Reference]] = {
     # singular arcs
     "neuenhofen-kerrigan": singular_arcs.neuenhofen_kerrigan,
     "aly-chan": singular_arcs.aly_chan,
+    "goddard": singular_arcs.goddard,
     # mechanics
     "cart-pole": rockets_and_gliders.cart_pole,
     "hang-glider": rockets_and_gliders.hang_glider,
@@ -91,6 +92,7 @@ CATALOGUE: dict[str, Callable[[], Reference]] = {
     "upright-climb-racing": partial(rotorcraft.upright_climb, 10.0, 3.3 * 9.81),
     "upright-climb-racing-short": partial(rotorcraft.upright_climb, 2.0, 3.3 * 9.81),
     "upright-yaw": rotorcraft.upright_yaw,
+    "planar-quadrotor": rotorcraft.planar_quadrotor,
     "lateral-minimum-time": rotorcraft.lateral_minimum_time,
 }
 """Name in the command line and the documents → what makes the reference."""

@@ -19,7 +19,7 @@ from skyknot.models.vehicle import Vehicle
 from skyknot.problem.horizon import Free
 from skyknot.problem.problem import Problem
 from skyknot.trajectory import Trajectory
-from skyknot.transcription import HermiteSimpson, Lobatto, Radau
+from skyknot.transcription import Lobatto, Radau
 
 G, LEVER, KAPPA, INERTIA = 9.81, 0.17, 0.016, (0.01, 0.011, 0.02)
 HOVER = G / 4
@@ -179,7 +179,9 @@ def planar_quadrotor() -> Reference:
         kind=COMPUTED,
         digits=11,
         switches=tuple(float(each) for each in np.cumsum(arcs)),
-        recipe=Recipe(HermiteSimpson(40), accuracy=1e-5, tolerance=1e-8),
+        recipe=Recipe(
+            Radau(100, 2, controls="linear"), accuracy=1e-6, tolerance=1e-9, phases=(10, 5)
+        ),
     )
 
 

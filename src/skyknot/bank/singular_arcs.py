@@ -11,6 +11,7 @@ import numpy as np
 from skyknot.bank.base import COMPUTED, Array, Recipe, Reference, line
 from skyknot.problem.horizon import Free
 from skyknot.problem.problem import Problem
+from skyknot.problem.variables import State
 from skyknot.transcription import Lobatto, Radau
 
 
@@ -73,38 +74,41 @@ def aly_chan() -> Reference:
 def goddard() -> Reference:
     """Highest flight of a sounding rocket: full thrust, a singular arc, coasting.
 
-    h height, v speed, m mass in units of the start; drag 310 v² e^(−500 (h − 1)), gravity 1/h².
+    Units of the planet's radius, its gravity and the mass at the start, but the height z above
+    ground in hundredths: drag 310 v² e^(−5 z), gravity 1/(1 + z/100)².
     """
 
     def dynamics(x: ca.SX, u: ca.SX) -> list[ca.SX]:
-        h, v, m = x[0], x[1], x[2]
-        drag = 310 * v**2 * ca.exp(-500 * (h - 1))
-        return [v, (u[0] - drag) / m - 1 / h**2, -u[0] / 0.5]
+        z, v, m = x[0], x[1], x[2]
+        drag = 310 * v**2 * ca.exp(-5 * z)
+        return [100 * v, (u[0] - drag) / m - 1 / (1 + z / 100) ** 2, -u[0] / 0.5]
 
     problem = Problem(
         "goddard",
-        ["h", "v", "m"],
+        ["z", State("v", scale=0.1), "m"],
         ["thrust"],
         dynamics,
         horizon=Free(0.05, 0.6, 0.2),
-        initial=[1.0, 0.0, 1.0],
+        initial=[0.0, 0.0, 1.0],
         final=[None, None, 0.6],
         terminal_cost=lambda x, tf: -x[0],
-        state_bounds=([1.0, 0.0, 0.6], [None, None, 1.0]),
+        state_bounds=([0.0, 0.0, 0.6], [None, None, 1.0]),
         control_bounds=(0.0, 3.5),
     )
     source = (
         "computed with the three arcs as phases; problem of Dolan, Moré & Munson, COPS 3.0 (2004),"
-        " who print 1.01284"
+        " where the height is 1 + z/100"
     )
-    start = line(0.2, [1.0, 0.05, 1.0], [1.01, 0.0, 0.6], [3.5], [0.0])
+    start = line(0.2, [0.0, 0.05, 1.0], [1.0, 0.0, 0.6], [3.5], [0.0])
     return Reference(
         problem,
-        -1.01283691859,
+        -1.283691859,
         source,
         start,
         kind=COMPUTED,
-        digits=12,
+        digits=10,
         switches=(0.02350968431, 0.07267074300),
-        recipe=Recipe(Radau(40, 3), accuracy=1e-5, tolerance=1e-8),
+        recipe=Recipe(
+            Radau(60, 3, controls="linear"), accuracy=1e-6, tolerance=1e-7, phases=(10, 5)
+        ),
     )
