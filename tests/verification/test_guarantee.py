@@ -1,8 +1,11 @@
 """Claim: a proof between the nodes holds everywhere, and thin obstacles do not slip through."""
 
+from itertools import pairwise
+
 import casadi as ca
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import skyknot as sk
 from skyknot.problem import airspace
@@ -11,7 +14,7 @@ from skyknot.verification import certify
 from skyknot.verification.enclosures import Margin, Path
 from skyknot.verification.equations import Equations
 from skyknot.verification.evidence import Evidence
-from skyknot.verification.guarantee import carried
+from skyknot.verification.guarantee import carried, drift_of
 
 SHAPES = {
     "cylinder": airspace.cylinder("c", (0.3, 0.2), 0.4),
@@ -120,6 +123,68 @@ def test_an_error_grows_with_the_dynamics_it_moves_in():
     assert np.allclose(drift, residual * np.exp(5 * h), rtol=2e-3)
     exact = x * np.exp(5 * h) - trajectory.states[1:, 0]
     assert np.all(drift > exact)
+
+
+FLIERS = {
+    "pendulum": lambda x, u, t: [x[1], -ca.sin(x[0]) + u[0] + 0.2 * ca.cos(3 * t)],
+    "drag": lambda x, u, t: [x[1], u[0] - 0.4 * x[1] * ca.sqrt(x[1] ** 2 + 0.01)],
+    "unstable": lambda x, u, t: [x[1], 4 * x[0] + u[0] * x[1]],
+}
+
+
+@pytest.mark.parametrize("scheme", [sk.Euler(30), sk.HermiteSimpson(10), sk.Lobatto(2, points=7)])
+@pytest.mark.parametrize("name", FLIERS)
+def test_a_flight_stays_within_the_drift_proved(name, scheme):
+    """Flown by SciPy from every node, measured against the polynomial at 200 times a segment."""
+    rates = FLIERS[name]
+    problem = sk.Problem(
+        name,
+        ["x", "v"],
+        ["u"],
+        lambda x, u, t: rates(x, u, t),
+        2.0,
+        initial=[0, 0.5],
+        final=[1, None],
+        running_cost=lambda x, u: u[0] ** 2,
+    )
+    evidence = Evidence(problem, sk.solve(problem, scheme).trajectory, {})
+    proved, said = drift_of(evidence)
+    assert said == "proved too"
+    for k, (start, end) in enumerate(pairwise(evidence.times)):
+        t = np.linspace(start, end - 1e-12, 200)
+        flown = solve_ivp(
+            lambda s, y: [float(each) for each in rates(y, evidence.trajectory.control(s), s)],
+            (start, end),
+            evidence.trajectory.states[k],
+            "DOP853",
+            t,
+            rtol=1e-11,
+            atol=1e-13,
+        )
+        apart = np.max(np.abs(flown.y.T - evidence.trajectory.state(t)), axis=0)
+        assert np.all(apart <= proved[k] + 1e-11)
+    sharp = np.max(np.sum(carried(evidence), axis=1))
+    assert np.max(np.sum(proved, axis=1)) < 50 * sharp + 1e-3
+
+
+def test_dynamics_without_interval_arithmetic_are_sampled_and_that_is_said():
+    problem = with_pole(50.0, 0.05)
+    problem.dynamics = lambda x, u: [20.0 + 1e-9 * ca.if_else(x[0] > 3, u[0], x[1]), 0]
+    evidence = Evidence(problem, sk.solve(straight(), sk.HermiteSimpson(10)).trajectory, {})
+    drift, said = drift_of(evidence)
+    assert said.startswith("sampled only (CasADi operation")
+    np.testing.assert_array_equal(drift, carried(evidence))
+
+
+def test_a_proof_that_does_not_close_is_sampled_and_that_is_said():
+    """A segment so long that no box holds the flight."""
+    problem = sk.Problem(
+        "blow up", ["x"], ["u"], lambda x, u: [x[0] ** 2 + 0 * u[0]], 0.9, initial=[1.0]
+    )
+    trajectory = sk.Trajectory([0, 0.9], [[1.0], [10.0]], [[0], [0]])
+    drift, said = drift_of(Evidence(problem, trajectory, {}))
+    assert said == "sampled only in 1 segments"
+    assert np.all(np.isfinite(drift))
 
 
 def test_a_constraint_without_interval_arithmetic_is_named():

@@ -158,10 +158,11 @@ class Margin:
             pieces = pieces.split(open_)
         return proved
 
-    def steepest(self, path: Path) -> Array:
-        """Return (N, nx) enclosures of |∂g/∂x| over every segment."""
-        C = path.local(path.whole())
-        low, high = boxes(C)
+    def steepest(self, path: Path, around: Array) -> Array:
+        """Return (N, nx) bounds on |∂g/∂x| over every segment and (N, nx) around its states."""
+        low, high = boxes(path.local(path.whole()))
+        low[:, :-1] -= around
+        high[:, :-1] += around
         ((least, most),) = enclosed(self._slope, [low], [high])
         result: Array = np.maximum(np.abs(least), np.abs(most))
         return result

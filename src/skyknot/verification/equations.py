@@ -66,6 +66,12 @@ class Equations:
         function = p.path[index].function
         return x, t, ca.SX(scalar(call(function, x, u, p=self.parameters, t=t)))
 
+    def rates_expression(self) -> tuple[Any, Any, Any, Any]:
+        """Return x, u, t and dx/dt as expressions."""
+        p = self.problem
+        x, u, t = ca.SX.sym("x", p.nx), ca.SX.sym("u", p.nu), ca.SX.sym("t")
+        return x, u, t, ca.densify(ca.SX(p.rates_of(x, u, self.parameters, t)))
+
     def state_jacobians(self, X: Array, U: Array, t: Array) -> Array:
         """Return (M, nx, nx) ∂f/∂x at M states, controls and times."""
         p, M = self.problem, len(t)

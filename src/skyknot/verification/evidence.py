@@ -62,6 +62,7 @@ class Evidence:
     parameters : values of free parameters by name; the problem's own where left out. Parameters
         that are given keep the problem's values, whatever stands here
     witness : scheme and multipliers claimed, if any
+    equations : the problem's, where they are compiled already
 
     Raises
     ------
@@ -75,13 +76,14 @@ class Evidence:
         trajectory: Trajectory,
         parameters: Mapping[str, float],
         witness: Witness | None = None,
+        equations: Equations | None = None,
     ) -> None:
         _check_columns(problem, trajectory)
         self.witness = witness
         self.problem, self.trajectory = problem, trajectory
         free = problem.free_parameters
         self.parameters = {name: parameters[name] for name in free if name in parameters}
-        self.equations = Equations(problem, self.parameters)
+        self.equations = equations or Equations(problem, self.parameters)
 
     @property
     def times(self) -> Array:

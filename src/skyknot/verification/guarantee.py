@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skyknot.verification.base import Check, worst_of
+from skyknot.verification.drift import Drift
 from skyknot.verification.enclosures import Margin, Path
 from skyknot.verification.ends import bounds_of
 from skyknot.verification.evidence import Evidence
@@ -33,7 +34,7 @@ def guarantee(evidence: Evidence, limits: Limits) -> Check | None:
     units = tuple(entry.unit for entry in entries)
     allowed = allowances(evidence.samples.path, lower, upper, units, limits)
     path = Path(evidence.state_polynomials, evidence.times)
-    drift = carried(evidence)
+    drift, drifting = drift_of(evidence) if on_states else (np.zeros(0), "")
     columns, taken, open_ = [], [], []
     for i in on_states:
         try:
@@ -47,8 +48,8 @@ def guarantee(evidence: Evidence, limits: Limits) -> Check | None:
     return worst_of(
         "path guaranteed",
         "Largest excess of path constraints on states that the proof cannot exclude anywhere in a"
-        " segment: proved by interval arithmetic for the polynomial of the answer, plus what the"
-        f" sampled error of its dynamics can add within the segment{left}.",
+        " segment: proved by interval arithmetic for the polynomial of the answer, plus what a"
+        f" flight from the segment's first node can add to it, {drifting}{left}.",
         np.stack(columns, axis=1),
         (1 + CLOSENESS) * allowed[taken],
         tuple(entries[i].name for i in taken),
@@ -65,18 +66,37 @@ def _excess(evidence: Evidence, path: Path, drift: Array, index: int, allowed: f
             continue
         margin = Margin(evidence.equations, index, bound, sign)
         proved = margin.least(path, enough=allowed, slack=0.5 * CLOSENESS * allowed)
-        added = np.sum(margin.steepest(path) * drift, axis=1)
+        added = np.sum(margin.steepest(path, drift) * drift, axis=1)
         close = proved < allowed + np.where(np.isfinite(added), added, np.inf)
         excess = np.where(close, added - proved, 0.0)
         worst = np.fmax(worst, np.where(np.isnan(excess), np.inf, excess))
     return worst
 
 
-def carried(evidence: Evidence) -> Array:
-    """Return (N, nx) how far the flight can leave the polynomial within a segment.
+def drift_of(evidence: Evidence) -> tuple[Array, str]:
+    """Return (N, nx) how far a flight can leave the polynomial, and whether that is proved."""
+    try:
+        proved = Drift(
+            evidence.equations,
+            evidence.state_polynomials,
+            evidence.control_polynomials,
+            evidence.times,
+            evidence.state_sizes,
+        ).bound()
+    except NotImplementedError as reason:
+        return carried(evidence), f"sampled only ({reason} has no interval form)"
+    known = np.isfinite(proved)
+    if np.all(known):
+        return proved, "proved too"
+    segments = int(np.sum(~np.all(known, axis=1)))
+    return np.where(known, proved, carried(evidence)), f"sampled only in {segments} segments"
 
-    The integral E of the sampled residual, carried on by |J| h: e ≤ exp(|J| h) E, entry by entry,
-    with J in the middle of the segment.
+
+def carried(evidence: Evidence) -> Array:
+    """Return (N, nx) an estimate of how far the flight can leave the polynomial within a segment.
+
+    For where no proof is to be had: the integral E of the sampled residual, carried on by the
+    Jacobian J in the middle of the segment, e ≤ exp(|J| h) E, entry by entry.
     """
     samples, h = evidence.samples, evidence.lengths
     D, nx = evidence.density, evidence.problem.nx
