@@ -27,7 +27,14 @@ from skyknot.paper.base import (
     written,
 )
 from skyknot.paper.stability import cost_hessian, pade, stability_function
-from skyknot.paper.transfers import VEHICLE, report_flight, seeded_goals, transfer
+from skyknot.paper.transfers import (
+    VEHICLE,
+    report_flight,
+    scheme,
+    seeded_goals,
+    transfer,
+    tried,
+)
 
 QUICK = Scale(quick=True)
 
@@ -179,7 +186,7 @@ def test_numbers_are_written_for_people(value, text):
 
 
 def test_the_structured_form_alone_reaches_the_figures_that_the_report_gives(findings):
-    """Defect ≤ 1e-6 and optimality ≤ 1e-4 (here 1e-5) within 300 iterations, and Ipopt's objective."""
+    """Defect ≤ 1e-6, optimality ≤ 1e-4 within 300 iterations, and the objective of Ipopt."""
     finding = findings["optimality_after_iterations"]
     assert number(finding, "optimality error (20), structured") <= 1e-4
     assert number(finding, "largest defect (19), structured") <= 1e-6
@@ -249,6 +256,25 @@ def test_the_command_tells_every_claim_and_ends_with_the_count(folder, tmp_path,
     lines = told.output.strip().splitlines()
     assert lines[0] == f"1 of {len(EXPERIMENTS) + 1}: bounds respected"
     assert lines[-1].startswith(f"{len(EXPERIMENTS)} claims run: ")
+
+
+def test_an_interrupted_run_says_what_is_kept_and_is_taken_up_there(tmp_path, monkeypatch):
+    def press(_scale):
+        raise KeyboardInterrupt
+
+    (tmp_path / runs.KEPT).mkdir()
+    monkeypatch.setitem(runs.EXPERIMENTS, next(iter(EXPERIMENTS)), press)
+    told = CliRunner().invoke(app, ["paper", "--quick", "--out", str(tmp_path)])
+    assert told.exit_code == 130
+    assert f"Interrupted: 0 of {len(EXPERIMENTS)} claims are kept" in told.output
+
+
+def test_an_interrupted_solve_is_no_measurement():
+    def press(_record):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        tried(transfer(), scheme(10), callback=press)
 
 
 def test_the_command_refuses_a_folder_of_others(tmp_path):

@@ -12,7 +12,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from skyknot.cli.exits import Exit, command, print_json
 from skyknot.cli.solving import JsonOption
 from skyknot.errors import UserError
-from skyknot.paper import Finding, Scale, run_claims
+from skyknot.paper import EXPERIMENTS, Finding, Scale, run_claims
 from skyknot.paper.claims_page import MARKS, summary
 from skyknot.paper.run import KEPT
 
@@ -38,7 +38,16 @@ def paper(
     """
     check_folder(out)
     console = Console(highlight=False)
-    findings = run_claims(out, Scale(quick)) if as_json else _shown(console, out, Scale(quick))
+    try:
+        findings = run_claims(out, Scale(quick)) if as_json else _shown(console, out, Scale(quick))
+    except KeyboardInterrupt:
+        kept = len(list((out / KEPT).glob("*.json")))
+        typer.echo(
+            f"Interrupted: {kept} of {len(EXPERIMENTS)} claims are kept in {out}; the same command"
+            " takes the run up there.",
+            err=True,
+        )
+        return Exit.INTERRUPTED
     claims = [finding.claim for finding in findings.values()]
     if as_json:
         told = {name: finding.as_dict()["claim"] for name, finding in findings.items()}

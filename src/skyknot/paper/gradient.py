@@ -22,10 +22,10 @@ from skyknot.paper.transfers import (
     seeded_goals,
     solved,
     transfer,
+    tried,
 )
 from skyknot.problem.guess import straight_line
 from skyknot.solution import HISTORY, Solution
-from skyknot.solve import solve
 
 SAID_ITERATIONS = (250, 300)
 SAID_SAVING, SAID_OPTIMALITY = 0.32, 1e-3
@@ -188,7 +188,7 @@ def descent(segments: int, goal: Goal = GOAL, **settings: Any) -> Solution:
         {"name": "projected-gradient", "optimality_tolerance": OPTIMALITY, **settings},
     )
     guess = straight_line(problem)
-    return solve(problem, scheme(segments), solver=solver, guess=guess, tolerance=DEFECT)
+    return tried(problem, scheme(segments), solver=solver, guess=guess, tolerance=DEFECT)
 
 
 def _history(run: Solution) -> dict[str, list[float]]:

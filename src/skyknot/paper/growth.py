@@ -14,10 +14,9 @@ from typing import Any
 import numpy as np
 
 from skyknot.paper.base import Claim, Finding, Measure, Scale, judged, listed, slope
-from skyknot.paper.transfers import scheme, smooth_transfer, solved, transfer
+from skyknot.paper.transfers import scheme, smooth_transfer, solved, transfer, tried
 from skyknot.problem.problem import Problem
 from skyknot.solution import Solution
-from skyknot.solve import solve
 
 RUNS = 2
 """Runs of which the least time counts."""
@@ -155,7 +154,7 @@ def ticks(problem: Problem, segments: int, solver: Any, **choices: Any) -> list[
     def tick(_record: object) -> None:
         told.append(time.process_time())
 
-    solve(problem, scheme(segments), solver=solver, callback=tick, **choices)
+    tried(problem, scheme(segments), solver=solver, callback=tick, **choices)
     return told
 
 

@@ -22,6 +22,7 @@ from skyknot.problem.problem import Problem
 from skyknot.problem.variables import Control, State
 from skyknot.solution import Solution
 from skyknot.solve import solve
+from skyknot.status import Status
 
 Array = NDArray[np.float64]
 
@@ -178,9 +179,23 @@ def solved(problem: Problem, mesh: int | dict[str, Any], **choices: Any) -> Solu
         When it is not solved: no number may rest on it.
     """
     chosen = scheme(mesh) if isinstance(mesh, int) else mesh
-    solution = solve(problem, chosen, **choices)
+    solution = tried(problem, chosen, **choices)
     if not solution.success:
         raise RuntimeError(f"{problem.name}: {solution.message}")
+    return solution
+
+
+def tried(problem: Problem, mesh: dict[str, Any], **choices: Any) -> Solution:
+    """Return the solution, solved or not; ``choices`` as for ``solve``.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        When the solve was interrupted, so that nobody takes half a solve for a measurement.
+    """
+    solution = solve(problem, mesh, **choices)
+    if solution.status is Status.INTERRUPTED:
+        raise KeyboardInterrupt
     return solution
 
 
