@@ -185,6 +185,15 @@ def test_a_page_that_cannot_be_written_is_told(tmp_path):
         write_report(rail(), tmp_path / "run" / "page.html")
 
 
+def test_what_is_only_told_has_neither_mark_nor_margin():
+    told = Check("saturation", 5.0, 100.0, "%", True, "So.", "T keeps 12 %", information=True)
+    html = report_page(rail(), Certificate("c", {"saturation": told}))
+    row = html.split("<div>saturation", 1)[1].split("</li>", 1)[0]
+    assert "T keeps 12 %" in row
+    assert "limit" not in row
+    assert "✓" not in html
+
+
 def test_margins_are_words():
     assert margin(0.0) == "nothing in excess"
     assert margin(1e-5) == "under 0.1 % of the limit"
@@ -206,4 +215,6 @@ def test_the_certificate_in_the_page_is_the_one_in_the_data():
     certificate = rail().verify()
     data = json.loads(json.dumps(certificate.as_dict()))
     html = report_page(rail(), certificate)
-    assert html.count('class="good"><span') == sum(c["passed"] for c in data["checks"].values())
+    told = sum(check.information for check in certificate.checks.values())
+    passed = sum(check["passed"] for check in data["checks"].values())
+    assert html.count('class="good"><span') == passed - told

@@ -6,7 +6,6 @@ from html import escape
 from typing import Any
 
 from skyknot.report.markup import mood
-from skyknot.report.problem_card import number
 
 
 def checks_list(certificate: Any) -> str:
@@ -16,9 +15,10 @@ def checks_list(certificate: Any) -> str:
 
 
 def _check(check: Any) -> str:
+    if getattr(check, "information", False):
+        return _information(check)
     share = min(1.0, check.load)
-    unit = f" {check.unit}" if check.unit else ""
-    measured = f"{check.value:.3g}{unit}".replace("-", "−") + f", limit {number(check.limit)}{unit}"
+    measured = f"{_quantity(check.value, check.unit)}, limit {_quantity(check.limit, check.unit)}"
     worst = f"{check.worst}: " if check.worst else ""
     mark, word = ("✓", "passed") if check.passed else ("✗", "failed")
     return (
@@ -28,6 +28,20 @@ def _check(check: Any) -> str:
         f'<span class="load">{escape(worst + margin(check.load))}</span>'
         f'<meter-bar><i style="width: {100 * share:.3g}%"></i></meter-bar></div></li>'
     )
+
+
+def _information(check: Any) -> str:
+    """Return a check that only tells something: no mark, no margin."""
+    return (
+        '<li><span class="mark" title="for information">·</span>'
+        f'<div>{escape(check.name)}<span class="how">{escape(check.how)}</span></div>'
+        f'<div class="measured">{escape(_quantity(check.value, check.unit))}'
+        f'<span class="load">{escape(check.worst)}</span></div></li>'
+    )
+
+
+def _quantity(value: float, unit: str) -> str:
+    return f"{value:.3g} {unit}".rstrip().replace("-", "−")
 
 
 def margin(load: float) -> str:
