@@ -34,8 +34,15 @@ RELAID = 2
 BEYOND = 4.0
 """Times the limit of segments: where so many are needed, by two meshes, no more is tried."""
 
+FINER = 2.5
+"""Times the segments of a first mesh that does not solve, for another try: it may be too coarse."""
+
 NEAR = 10.0
 """Times the accuracy: a flight estimated farther off is not worth flying in earnest."""
+
+
+TOO_COARSE = (Status.INFEASIBLE, Status.STALLED, Status.ITERATION_LIMIT)
+"""How solves end on meshes that have too few places to act at."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +67,8 @@ class _Measured:
 
 def in_rounds(
     problem: Problem,
-    first: Callable[[], Answer],
+    first: Callable[[Transcription], Answer],
+    scheme: Transcription,
     again: Solve,
     functions: PointFunctions,
     wanted: Refinement,
@@ -69,7 +77,8 @@ def in_rounds(
 
     Parameters
     ----------
-    first : solves on the mesh to begin with
+    first : solves on a mesh without an earlier answer
+    scheme : on the mesh to begin with; one that does not solve is tried once more, finer
     again : solves on another mesh from an earlier answer
     functions : the problem's functions, for the error estimate
     wanted : accuracy and limits
@@ -81,7 +90,10 @@ def in_rounds(
     """
     begun = time.perf_counter()
     log = _Log(begun)
-    answer, best = first(), None
+    answer, best = first(scheme), None
+    if answer.solution.status in TOO_COARSE:
+        log.failed(answer.solution)
+        answer = first(replace(scheme, nodes=_finer(scheme.nodes)))
     while answer.solution.success:
         found = _measured(problem, answer, functions, wanted)
         best = found if best is None or found.worst <= best.worst else best
@@ -102,6 +114,13 @@ def in_rounds(
             answer = again(_better_mesh(problem, best, functions, wanted, split), best.answer, True)
     log.failed(answer.solution)
     return log.ended_early(answer.solution, best, wanted)
+
+
+def _finer(nodes: Array) -> Array:
+    """Return ``FINER`` times the segments, denser where the nodes are denser."""
+    count = int(np.ceil(FINER * (len(nodes) - 1)))
+    places = np.linspace(0.0, 1.0, count + 1)
+    return np.interp(places, np.linspace(0.0, 1.0, len(nodes)), nodes)
 
 
 def _failed(answer: Answer) -> bool:

@@ -80,7 +80,8 @@ def solve(
     task = Task(problem, scheme, chosen, tolerance, callback, functions)
     return in_rounds(
         problem,
-        lambda: _first(task, guess),
+        lambda mesh: _first(replace(task, scheme=mesh), guess),
+        scheme,
         lambda mesh, last, warm: _on_mesh(replace(task, scheme=mesh), last, warm=warm),
         functions,
         wanted,

@@ -204,8 +204,28 @@ def test_a_problem_that_does_not_solve_says_what_it_says_without_refinement():
     problem = clipped(3.9)  # less than the 4 that rest to rest in one second takes
     refined, plain = sk.solve(problem, COARSE, accuracy=1e-4), sk.solve(problem, COARSE)
     assert refined.status == plain.status == "locally infeasible"
-    assert refined.record.detail == plain.record.detail
-    assert [entry.status for entry in refined.rounds] == ["locally infeasible"]
+    assert "The largest violation is" in refined.record.detail
+    assert [entry.status for entry in refined.rounds] == ["locally infeasible"] * 2
+    assert [entry.segments for entry in refined.rounds] == [8, 20]
+
+
+def test_a_first_mesh_that_is_too_coarse_is_followed_by_a_finer_one():
+    swing_up = sk.Problem(
+        name="swing up",
+        states=["angle", "rate"],
+        controls=["torque"],
+        dynamics=lambda x, u: [x[1], u[0] - 9.81 * x[0].sin()],
+        horizon=sk.Free(1.0, 10.0),
+        initial=[0, 0],
+        final=[np.pi, 0],
+        running_cost=lambda x, u: 1 + u[0] ** 2,
+        control_bounds=([-3], [3]),
+    )
+    coarse = sk.HermiteSimpson(20, controls="hold")
+    assert sk.solve(swing_up, coarse).status == "locally infeasible"
+    solution = sk.solve(swing_up, coarse, accuracy=1e-3)
+    assert solution.success, solution.message
+    assert [entry.segments for entry in solution.rounds[:2]] == [20, 50]
 
 
 def test_an_interruption_on_a_later_mesh_keeps_the_answer_on_the_last_one():
