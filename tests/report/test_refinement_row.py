@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import skyknot as sk
 from skyknot import bank as problems
+from skyknot.report.page import verdict
 from skyknot.report.problem_card import solution_rows
 from skyknot.report.reading import Reading
 
@@ -17,6 +18,14 @@ def test_the_report_tells_the_meshes_and_the_error_reached():
     told = rows_of(1e-3)["Refinement"]
     assert told.startswith("meshes of 8, ")
     assert told.endswith("0.001 asked for")
+
+
+def test_an_accuracy_out_of_reach_is_the_verdict():
+    problem = problems.cart_pole().problem
+    solution = sk.solve(problem, sk.HermiteSimpson(8), accuracy=sk.Refinement(1e-8, rounds=1))
+    well, sentence = verdict(solution, solution.verify())
+    assert not well
+    assert sentence.startswith("Solved, not as accurately as asked: Refinement ended at the limit")
 
 
 def test_one_mesh_is_no_refinement():

@@ -18,6 +18,7 @@ from skyknot.report.reproduction import reproduction
 from skyknot.report.vector_image import inline_svg
 from skyknot.report.what_binds import binds_section
 from skyknot.solution import Solution
+from skyknot.status import Status
 from skyknot.trajectory import Trajectory
 
 FILE_NAME = "report.html"
@@ -118,6 +119,8 @@ def verdict(solution: Solution, certificate: Any) -> tuple[bool, str]:
     if certificate is None:
         return solution.success, f"{solution.message} It has not been checked independently."
     finding = certificate.sentence.split(": ", 1)[-1]
+    if solution.status is Status.INACCURATE:
+        return False, f"Solved, not as accurately as asked: {solution.record.detail} {finding}"
     if not solution.success:
         return False, f"Not solved: {solution.status.value}. {solution.status.sentence} {finding}"
     if certificate.passed:
