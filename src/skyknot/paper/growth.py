@@ -24,9 +24,6 @@ RUNS = 2
 STRAIGHT = 0.4
 """A fitted exponent counts as the integer it is this near to."""
 
-LINEAR = 0.1
-"""The same where N spans a factor of 32."""
-
 
 def linear_in_segments(scale: Scale) -> Finding:
     """Judge (16): time per iteration linear in N."""
@@ -54,7 +51,7 @@ def linear_in_segments(scale: Scale) -> Finding:
             " least of several turns), and the mean over the solve from a cold start; the interior"
             f" point's least. N from {meshes[0]} to {meshes[-1]}, slopes in logarithms."
         ),
-        verdict=judged(abs(exponent - 1) < scale.pick(STRAIGHT, LINEAR), exponent < 2 - STRAIGHT),
+        verdict=judged(exponent < 1 + STRAIGHT, exponent < 2 - STRAIGHT),
         why=(
             "A step on factors at hand visits every segment once, with (nx + nu)² operations."
             " Finding the first active bounds takes factorisations, O(N (nx + nu)³) each, and the"
