@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from math import comb
+
 import numpy as np
 import pytest
 
 import skyknot as sk
-from skyknot.transcription.rates import derivative_weights
+from skyknot.transcription import quadrature
+from skyknot.transcription.rates import derivative_weights, enclosing_weights
 
 
 def swing(rates, **extras):
@@ -51,6 +54,51 @@ def test_the_slope_of_the_control_stays_within_its_bounds_everywhere(scheme, hor
     assert bounded.success
     assert max(np.abs(fastest(bounded))) == pytest.approx(bound, abs=1e-6)
     assert bounded.objective > free.objective
+
+
+LONGER = {
+    "lobatto": lambda mesh: sk.Lobatto(mesh=mesh, points=4),
+    "lobatto, one segment": lambda mesh: sk.Lobatto(1, 12),
+    "lobatto, one long segment": lambda mesh: sk.Lobatto(1, 20),
+    "chebyshev": lambda mesh: sk.Chebyshev(mesh=mesh, points=6),
+    "radau, linear": lambda mesh: sk.Radau(mesh=mesh, points=3, controls="linear"),
+}
+
+
+@pytest.mark.parametrize("scheme", LONGER)
+@pytest.mark.parametrize("horizon", [2.0, sk.Free(1.5, 2.5, 2.0)], ids=["fixed", "free"])
+def test_the_slope_of_longer_polynomials_stays_within_its_bounds_too(scheme, horizon):
+    free = sk.solve(swing(None, horizon=horizon), LONGER[scheme](MESH), tolerance=1e-9)
+    bound = 0.7 * max(np.abs(fastest(free)))
+    bounded = sk.solve(swing([bound, None], horizon=horizon), LONGER[scheme](MESH), tolerance=1e-9)
+    assert bounded.success
+    # more than MOST_ENCLOSED values are sampled densely, not enclosed
+    slack = 1e-4 if "long segment" in scheme else 1e-7
+    assert max(np.abs(fastest(bounded))) < bound * (1 + slack)
+    # what encloses gives something away, the more the higher the degree
+    assert max(np.abs(fastest(bounded))) > 0.75 * bound
+    assert bounded.objective > free.objective
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 5, 8, 12, 16])
+def test_the_enclosing_rows_are_bernstein_coefficients_of_the_rate(count):
+    """Σ_j c_j B_j = u', Σ_j B_j = 1, B_j ≥ 0: the rate lies between least and greatest c_j."""
+    points = quadrature.lobatto(count)[0]
+    values = np.random.default_rng(count).normal(size=count)
+    c, tau, n = enclosing_weights(points) @ values, np.linspace(0, 1, 101), count - 2
+    basis = np.array([comb(n, j) * tau**j * (1 - tau) ** (n - j) for j in range(n + 1)])
+    rate = derivative_weights(points, tau) @ values
+    np.testing.assert_allclose(c @ basis, rate, atol=1e-9 * np.abs(c).max())
+    assert c.min() - 1e-9 <= rate.min()
+    assert rate.max() <= c.max() + 1e-9
+
+
+@pytest.mark.parametrize("scheme", [sk.Radau(4, 3), sk.Lobatto(4, 4, controls="discontinuous")])
+def test_a_rate_cannot_bound_what_may_jump(scheme):
+    with pytest.raises(sk.UserError, match="no rate there to bound") as caught:
+        sk.solve(swing([1.0, None]), scheme)
+    assert "a" in caught.value.found
+    assert "linear" in caught.value.do
 
 
 @pytest.mark.parametrize("scheme", CURVED)

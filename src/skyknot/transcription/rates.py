@@ -1,12 +1,15 @@
 """Bounds on du/dt as linear rows on the control values.
 
-A linear control has one rate in a segment; the rate of a quadratic control is linear in the
-segment, so bounding it at both ends bounds it everywhere (a cubic or higher one is bounded at its
-control points). A held control jumps: the jump is bounded by the rate times the time between the
-middles of the two segments. Polynomials that may jump at the nodes have no rate there.
+A polynomial's rate is a polynomial of one degree less. Its Bernstein coefficients enclose it, so
+that bounding them bounds the rate everywhere; of a linear or quadratic control they are the rates
+at the ends, and nothing is given away (G. Farin, Curves and Surfaces for CAGD, chapter 5: the
+convex hull property). A held control jumps: the jump is bounded by the rate times the time between
+the middles of the two segments. Polynomials that may jump at the nodes have no rate there.
 """
 
 from __future__ import annotations
+
+from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,10 +45,10 @@ def rate_rows(
     else:
         if len(bounded) and not shared:
             raise _jumps(problem.control_names[bounded[0]])
-        places = {2: points[:1], 3: points[[0, -1]]}.get(len(points), points)
-        bases = np.repeat(layout.control, len(places), axis=0)
-        weights = np.tile(derivative_weights(points, places), (len(fractions), 1))
-        length = np.repeat(fractions, len(places))
+        enclosing = enclosing_weights(points)
+        bases = np.repeat(layout.control, len(enclosing), axis=0)
+        weights = np.tile(enclosing, (len(fractions), 1))
+        length = np.repeat(fractions, len(enclosing))
     rows = len(bases) * len(bounded)
     control = np.tile(bounded, len(bases))
     return RateRows(
@@ -56,6 +59,26 @@ def rate_rows(
         upper=problem.rate_upper[control].reshape(rows),
         names=tuple(problem.control_names[i] for i in control),
     )
+
+
+MOST_ENCLOSED = 16
+"""Control values up to which Bernstein coefficients are well enough conditioned."""
+
+
+def enclosing_weights(points: Array) -> Array:
+    """Return (rows, m): combinations of the control values that enclose the rate on [0, 1].
+
+    The rate's m − 1 Bernstein coefficients. Of more than ``MOST_ENCLOSED`` values they lose too
+    many digits: there the rate itself, at four times as many places as it has coefficients.
+    """
+    n = len(points) - 2
+    if len(points) > MOST_ENCLOSED:
+        return derivative_weights(points, 0.5 - 0.5 * np.cos(np.linspace(0, np.pi, 4 * n + 5)))
+    places = 0.5 - 0.5 * np.cos(np.linspace(0, np.pi, n + 1)) if n else np.zeros(1)
+    j = np.arange(n + 1)
+    binomials = np.array([comb(n, int(each)) for each in j], dtype=float)
+    B = binomials * places[:, None] ** j * (1 - places[:, None]) ** (n - j)
+    return np.asarray(np.linalg.solve(B, derivative_weights(points, places)), dtype=float)
 
 
 def derivative_weights(points: Array, places: Array) -> Array:
