@@ -47,6 +47,11 @@ ARROWS = {
         *("missions", "solve", "solvers", "verification", "solution", "problem", "models"),
         *("transcription", "kernel"),  # builds once what solve builds every time
     },
+    # keeps a mission solved while it changes: the front door's parts, held ready
+    "live": {
+        *("missions", "solve", "solvers", "verification", "solution", "problem", "models"),
+        *("transcription", "kernel", "report"),  # report: the geometry of what is drawn
+    },
     "mpc": {"solve", "problem", "models", "solution"},
     "robust": {"solve", "problem", "models", "solution"},
     "fleet": {"solve", "problem", "models", "solution"},
