@@ -71,9 +71,9 @@ def test_a_cost_that_does_not_curve_is_not_flown_with_feedback():
     assert "Not flown with feedback: the cost does not curve in a." in certificate.notes
 
 
-def test_a_solver_without_gains_is_told():
+def test_an_answer_without_gains_is_told():
     certificate = sk.solve(asked(), sk.HermiteSimpson(20), "ipopt").verify()
-    assert "Not flown with feedback: the solver gave no gains." in certificate.notes
+    assert "Not flown with feedback: the answer carries no gains." in certificate.notes
 
 
 def test_a_flight_that_diverges_is_a_failed_check():

@@ -81,3 +81,28 @@ def test_the_unscaled_residual_is_the_one_the_solution_tells():
 def test_without_a_witness_nothing_is_said_about_optimality():
     solution = sk.solve(PROBLEMS["plain"], sk.HermiteSimpson(8))
     assert not set(CONDITIONS) & set(certify(solution.problem, solution.trajectory).checks)
+
+
+FIELDS = ("C", "A", "weights", "defects", "path", "state_bounds", "control_bounds", "rates")
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("number", [np.nan, np.inf, 1e300])
+@pytest.mark.parametrize("field", [*FIELDS, "costates", "global_bounds"])
+def test_numbers_that_are_none_fail_without_a_word_of_warning(everything, field, number):
+    witness = everything.full_witness()
+    values = getattr(witness, field).copy()
+    values.flat[values.size // 3] = number
+    certificate = certify(
+        everything.problem,
+        everything.trajectory,
+        everything.record.parameters,
+        witness=replace(witness, **{field: values}),
+    )
+    assert not certificate.passed
+    assert certificate.sentence.startswith("Not certified")
+
+
+@pytest.fixture(scope="module")
+def everything():
+    return sk.solve(PROBLEMS["everything"], sk.HermiteSimpson(8))

@@ -92,7 +92,9 @@ def worst_of(
     times : (M,) s, to say when; None where time does not matter
     """
     finite = np.where(np.isfinite(excess), excess, np.inf)
-    row, column = divmod(int(np.argmax(finite / allowed)), finite.shape[1])
+    # A limit that is not finite was measured on numbers that are not: nothing keeps it.
+    loads = np.where(np.isfinite(allowed), finite / np.where(allowed > 0, allowed, 1.0), np.inf)
+    row, column = divmod(int(np.argmax(loads)), finite.shape[1])
     value, limit = float(finite[row, column]), float(allowed[column])
     when = "" if times is None else f" at {times[row]:.4g} s"
     return Check(
@@ -100,7 +102,7 @@ def worst_of(
         value=value,
         limit=limit,
         unit=units[column],
-        passed=bool(np.all(finite <= allowed)),
+        passed=bool(np.all(loads <= 1)),
         how=how,
         worst=f"{names[column]}{when}" if value > 0 else "",
     )

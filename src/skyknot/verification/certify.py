@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+import numpy as np
+
 from skyknot.problem.problem import Problem
 from skyknot.trajectory import Trajectory
 from skyknot.verification import (
@@ -86,7 +88,8 @@ def certify(
     """
     evidence = Evidence(problem, trajectory, parameters or {}, witness)
     chosen = limits or Limits.of(problem.vehicle)
-    found = [check(evidence, chosen) for check in CHECKS]
+    with np.errstate(all="ignore"):  # what is not a number is a failed check, not a warning
+        found = [check(evidence, chosen) for check in CHECKS]
     checks = {check.name: check for check in found if check is not None}
     return Certificate(problem.name, checks, _notes(evidence))
 
@@ -101,7 +104,7 @@ def _notes(evidence: Evidence) -> tuple[str, ...]:
         notes.append("Costates were not checked: the answer claims none.")
     flat = ", ".join(adjoint.flat_controls) if adjoint is not None else ""
     if witness.gains is None:
-        notes.append("Not flown with feedback: the solver gave no gains.")
+        notes.append("Not flown with feedback: the answer carries no gains.")
     elif flat:
         notes.append(f"Not flown with feedback: the cost does not curve in {flat}.")
     if flat:
