@@ -62,8 +62,8 @@ def solve(
     callback : called with an IterationRecord each iteration; returning True stops the solve
     accuracy : largest error between the nodes and in open-loop flight, as a share of the size of
         each state (its scale where given, else 1 + its largest magnitude): the mesh is refined
-        until it is reached, from the mesh of ``transcription``; a Refinement sets limits as well.
-        None solves on that one mesh
+        until it is reached, from the mesh of ``transcription``, with a tolerance of at most a
+        hundredth of it; a Refinement sets limits as well. None solves on that one mesh
 
     Raises
     ------
@@ -77,7 +77,7 @@ def solve(
         return answered(Task(problem, scheme, chosen, tolerance, callback), guess)
     wanted = accuracy if isinstance(accuracy, Refinement) else Refinement(accuracy)
     functions = PointFunctions.of(problem)
-    task = Task(problem, scheme, chosen, tolerance, callback, functions)
+    task = Task(problem, scheme, chosen, wanted.tolerance(tolerance), callback, functions)
     return in_rounds(
         problem,
         lambda mesh: _first(replace(task, scheme=mesh), guess),

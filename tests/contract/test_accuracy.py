@@ -44,6 +44,16 @@ def test_the_flight_by_another_integrator_is_as_accurate_as_asked(solve):
 
 
 @pytest.mark.parametrize("controls", ["quadratic", "linear", "hold"])
+def test_the_equations_are_solved_more_closely_where_defects_would_add_up():
+    problem = problems.cart_pole().problem
+    close = sk.solve(problem, sk.HermiteSimpson(30), accuracy=1e-8)
+    assert close.success, close.message
+    assert flown_apart(close) <= 1.2e-8
+    assert close.record.tolerance == pytest.approx(1e-10)
+    assert cart_pole().record.tolerance == pytest.approx(1e-7)
+    assert bang_bang().record.tolerance == 1e-8  # what was asked for is never loosened
+
+
 def test_a_switch_of_the_control_gets_nodes_to_a_thousandth_of_the_horizon(controls):
     solution = bang_bang(controls)
     assert solution.success, solution.message

@@ -44,6 +44,9 @@ SWITCH_SHARE = 10.0
 """Over how many times the accuracy, of the horizon, a jump of a control may be spread: switching
 times are then known to a thousandth of the horizon at 1e-4."""
 
+SOLVER_SHARE = 0.01
+"""Share of the accuracy to which the equations are solved."""
+
 FURTHEST_MOVE = 0.25
 """How far a node is moved onto a switch, of its shorter segment; beyond, a node is added there."""
 
@@ -92,6 +95,13 @@ class Refinement:
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, int | float) or not value > 0:
                 raise _refused(f"accuracy.{name}", repr(value), "a number greater than zero")
+
+    def tolerance(self, asked: float) -> float:
+        """Return the solver's tolerance: what is asked for, lowered where defects would add up.
+
+        What a solver leaves of the defects grows along the flight like any other error.
+        """
+        return min(asked, max(SOLVER_SHARE * self.accuracy, SMALLEST_ACCURACY))
 
     def met_by(self, error: SegmentError) -> bool:
         """Whether a trajectory is as accurate as asked for."""
