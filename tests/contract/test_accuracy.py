@@ -43,7 +43,6 @@ def test_the_flight_by_another_integrator_is_as_accurate_as_asked(solve):
     assert solution.verify().passed
 
 
-@pytest.mark.parametrize("controls", ["quadratic", "linear", "hold"])
 def test_the_equations_are_solved_more_closely_where_defects_would_add_up():
     problem = problems.cart_pole().problem
     close = sk.solve(problem, sk.HermiteSimpson(30), accuracy=1e-8)
@@ -54,6 +53,7 @@ def test_the_equations_are_solved_more_closely_where_defects_would_add_up():
     assert bang_bang().record.tolerance == 1e-8  # what was asked for is never loosened
 
 
+@pytest.mark.parametrize("controls", ["quadratic", "linear", "hold"])
 def test_a_switch_of_the_control_gets_nodes_to_a_thousandth_of_the_horizon(controls):
     solution = bang_bang(controls)
     assert solution.success, solution.message
