@@ -14,6 +14,7 @@ from skyknot.report import Enclosure
 from skyknot.report.binding import Binding, Confirmation, bindings_of
 from skyknot.report.page import report_page
 from skyknot.report.reading import Reading
+from skyknot.report.reproduction import reproduction
 from skyknot.report.what_binds import binds_section, lead_sentence, presented, unit_step
 from skyknot.solve import solve
 from skyknot.transcription import HermiteSimpson
@@ -152,7 +153,7 @@ def test_what_is_not_solved_or_has_no_multipliers_has_no_prices():
 
 
 def test_the_mission_and_the_vehicle_are_enclosed():
-    html = report_page(rail(), None, enclosed=Enclosure("title = 'a <b>'", "mass = 1"))
+    html = reproduction(rail(), Enclosure("title = 'a <b>'", "mass = 1"))
     assert "<summary>mission.toml</summary>\n<pre>title = &#x27;a &lt;b&gt;&#x27;</pre>" in html
     assert "<pre>mass = 1</pre>" in html
     assert "skyknot solve mission.toml" in html
