@@ -28,6 +28,7 @@ BETTER_THAN_CLAIMED = {("linear", "lobatto 4 polynomial", "costates")}
 # What double precision leaves no room to show.
 UNSEEN = {
     ("linear", "lobatto 5 polynomial", "costates"),
+    ("linear", "lobatto 5 discontinuous", "states"),
     *(("curved", "radau 4 polynomial", quantity) for quantity in QUANTITIES),
 }
 

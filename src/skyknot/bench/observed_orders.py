@@ -39,11 +39,11 @@ MESHES = {
     5: ((24, 36, 54), (60, 90, 135)),
     6: ((24, 36, 54), (80, 120, 180)),
     7: ((12, 18, 27), ()),
-    8: ((10, 14, 20), (8, 12, 16)),
+    8: ((12, 16, 24), (8, 12, 16)),
 }
 """No mesh shows order 7 on the curved problem: its asymptotic range begins below rounding."""
 
-ROUNDING = 1e-15
+ROUNDING = 1e-14
 """An error below it shows no order."""
 
 
@@ -87,12 +87,11 @@ def cases() -> tuple[Case, ...]:
         "radau": (1, 2, 3, 4),
         "chebyshev": (4, 5, 6, 7),
     }
-    probe = {"radau": "hold"}
     return tuple(
         Case(scheme, points, controls)
         for scheme, counts in members.items()
         for points in counts
-        for controls in Case(scheme, points, probe.get(scheme, "hold")).on(1).table.orders
+        for controls in Case(scheme, points, "hold").on(1).table.orders
     )
 
 
