@@ -3,7 +3,8 @@
 A mesh can only come near a place where a control enters a singular arc: the switching function has
 a double zero there. So the arcs that an answer shows are made phases, each of free length, with
 the controls that rest on a bound put there; what is solved is smooth in every phase, and the
-lengths are unknowns like others. Nothing about the arcs is told by hand.
+lengths are unknowns like others. Nothing about the arcs is told by hand. The idea of
+E. R. Pager & A. V. Rao, arXiv 2104.12247, who find structure and switches in the same two steps.
 
 Legend: t time, T duration, P number of phases; phase k is k < t ≤ k + 1 in its own clock.
 """

@@ -182,7 +182,7 @@ def minimum_fuel(d: float = 1.0, T: float = 4.0) -> Reference:
         running_cost=lambda x, u: u[0] + u[1],
         control_bounds=(0.0, 1.0),
     )
-    source = "closed form: Athans & Falb, Optimal Control, 1966, section 8-2: bang-off-bang"
+    source = "closed form: Athans & Falb, Optimal Control, 1966: bang-off-bang"
     switches = (float(burn), float(T - burn))
     return Reference(problem, float(2 * burn), source, switches=switches, recipe=JUMPING)
 

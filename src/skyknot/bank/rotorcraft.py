@@ -49,6 +49,7 @@ def transfer(
     optimum: float,
     source: str,
     drag: float = 0.0,
+    level: bool = False,
 ) -> Reference:
     """Return hover to hover in 2 s with least ∫Σ(f_i − mg/4)².
 
@@ -59,6 +60,7 @@ def transfer(
     yaw : rad, to the right
     optimum, source : as in Reference
     drag : N s/m
+    level : whether roll and pitch are kept at zero
     """
     model = craft(drag).rotor_model()
     first = np.zeros(12)
@@ -72,9 +74,15 @@ def transfer(
         initial=list(first),
         final=list(last),
         running_cost=lambda x, u: sum((u[i] - HOVER) ** 2 for i in range(4)),
+        state_bounds=(_tilt(0.0), _tilt(0.0)) if level else None,
     )
     start = line(2.0, first, last, [HOVER] * 4, [HOVER] * 4)
     return Reference(problem, optimum, source, start, recipe=Recipe(Lobatto(10, 9)))
+
+
+def _tilt(most: float) -> list[float | None]:
+    """Return bounds on the states that bound roll and pitch alone."""
+    return [*[None] * 6, most, most, *[None] * 4]
 
 
 def _computed(reference: Reference, digits: int) -> Reference:
@@ -105,16 +113,17 @@ def quadrotor_step(d: float = 1.0) -> Reference:
 
 
 def quadrotor_climb(d: float = 1.0) -> Reference:
-    """Climb d in 2 s without tilting: 12 d²/4T³ m² as every rotor carries a quarter."""
-    source = "closed form: least energy of a double integrator; extremal without tilt"
-    return transfer("quadrotor climb", (0, 0, -d), 0.0, 12 * d**2 / (4 * 2.0**3), source)
+    """Climb d in 2 s kept level: 12 d²/4T³ m² as every rotor carries a quarter."""
+    source = "closed form: least energy of a double integrator; kept level by bounds"
+    cost = 12 * d**2 / (4 * 2.0**3)
+    return transfer("quadrotor climb", (0, 0, -d), 0.0, cost, source, level=True)
 
 
 def quadrotor_yaw(psi: float = 1.0) -> Reference:
-    """Turn by ψ in 2 s without tilting: (J_z/2κ)² 12 ψ²/T³."""
-    source = "closed form: least energy of a double integrator; extremal without tilt"
+    """Turn by ψ in 2 s kept level: (J_z/2κ)² 12 ψ²/T³; a craft that may tilt does with less."""
+    source = "closed form: least energy of a double integrator; kept level by bounds"
     cost = (INERTIA[2] / (2 * KAPPA)) ** 2 * 12 * psi**2 / 2.0**3
-    return transfer("quadrotor yaw", (0, 0, 0), psi, cost, source)
+    return transfer("quadrotor yaw", (0, 0, 0), psi, cost, source, level=True)
 
 
 def upright_climb(H: float = 5.0, most: float = 20.0, g: float = G) -> Reference:
@@ -192,7 +201,6 @@ def lateral_minimum_time(d: float = 5.0) -> Reference:
     """
     model = craft().rotor_model()
     first, last = np.zeros(12), np.array([d, *[0.0] * 11])
-    tilt = [*[None] * 6, 1.5, 1.5, *[None] * 4]
     problem = Problem(
         "lateral minimum time",
         list(model.state_names),
@@ -202,7 +210,7 @@ def lateral_minimum_time(d: float = 5.0) -> Reference:
         initial=list(first),
         final=list(last),
         terminal_cost=lambda x, tf: tf,
-        state_bounds=([None if each is None else -each for each in tilt], tilt),
+        state_bounds=(_tilt(-1.5), _tilt(1.5)),
         control_bounds=(0.0, 5.0),
     )
     start = line(1.6, first, last, [HOVER] * 4, [HOVER] * 4)

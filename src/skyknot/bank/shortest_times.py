@@ -69,7 +69,7 @@ def zermelo(x0: float = 3.66, y0: float = -1.86) -> Reference:
         terminal_cost=lambda x, tf: tf,
     )
     start = line(5.0, [x0, y0], [0.0, 0.0], [1.8], [4.2])
-    source = "closed form: Bryson & Ho, section 2.7, Zermelo's problem with a linear current"
+    source = "closed form: Bryson & Ho, chapter 2, Zermelo's problem with a linear current"
     return Reference(problem, T, source, start, recipe=Recipe(Lobatto(8, 7)))
 
 
@@ -87,7 +87,7 @@ def steering() -> Reference:
         control_bounds=(-np.pi / 2, np.pi / 2),
     )
     source = (
-        "closed form: linear-tangent law, Bryson & Ho, section 2.4; 'particle steering' of Dolan,"
+        "closed form: linear-tangent law, Bryson & Ho, chapter 2; 'particle steering' of Dolan,"
         " Moré & Munson, COPS 3.0 (2004)"
     )
     printed = (Printed("0.55457088", "COPS, trapezoid on 12800 intervals"),)
@@ -132,5 +132,5 @@ def point_mass(A: float = 20.0, d: float = 5.0, g: float = 9.81) -> Reference:
         terminal_cost=lambda x, tf: tf,
     )
     start = line(T, [0.0] * 4, [d, 0.0, 0.0, 0.0], [1.2], [-1.2])
-    source = "closed form: linear-tangent law, Bryson & Ho, section 2.4, with equal end heights"
+    source = "closed form: linear-tangent law, Bryson & Ho, chapter 2, with equal end heights"
     return Reference(problem, T, source, start, recipe=Recipe(Lobatto(12, 9)))

@@ -42,7 +42,7 @@ def neuenhofen_kerrigan() -> Reference:
     points, weights = np.polynomial.legendre.leggauss(40)
     t = 0.5 * T * (points + 1)
     integrand = state(t)[:, 0] ** 2 + control(t)[:, 0] * np.cos(t)
-    source = "closed form: Neuenhofen & Kerrigan, arXiv 1810.04059, problem 1"
+    source = "closed form: Neuenhofen & Kerrigan, arXiv 1810.04059; PSOPT, examples/x1"
     return Reference(
         problem,
         float(0.5 * T * weights @ integrand),
@@ -67,7 +67,7 @@ def aly_chan() -> Reference:
         running_cost=lambda x, u: 0.5 * (x[1] ** 2 - x[0] ** 2),
         control_bounds=(-1.0, 1.0),
     )
-    source = "closed form: Aly & Chan, Optimal Control Appl. Meth. 2 (1981): singular throughout"
+    source = "closed form: Aly & Chan, Int. J. Control 17 (1973) 809–815: singular throughout"
     return Reference(problem, 0.0, source, recipe=Recipe(Lobatto(4, 8), tolerance=1e-9))
 
 

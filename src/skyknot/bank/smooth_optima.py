@@ -114,7 +114,7 @@ def coupled_regulator() -> Reference:
         initial=[1.0],
         running_cost=lambda x, u: 0.5 * (1.25 * x[0] ** 2 + x[0] * u[0] + u[0] ** 2),
     )
-    source = "closed form: ½ tanh 1 (Hager, SIAM J. Control Optim. 14, 1976)"
+    source = "closed form: ½ tanh 1, that of the scalar regulator"
     return Reference(problem, float(0.5 * np.tanh(1.0)), source)
 
 

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from skyknot.cli.bank import bank
 from skyknot.cli.bench import bench
 from skyknot.cli.checking import lint, verify
 from skyknot.cli.claims import paper
@@ -73,6 +74,7 @@ for _command in (
     paper,
     doctor,
     bench,
+    bank,
 ):
     app.command()(_command)
 
