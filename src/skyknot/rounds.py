@@ -28,8 +28,9 @@ from skyknot.transcription.switches import switches
 
 Array = NDArray[np.float64]
 
-RELAID = 2
-"""Rounds that lay the mesh anew; from then on segments are only split."""
+RELAID, FAR = 2, 30.0
+"""Rounds that lay the mesh anew, and times the accuracy beyond which later ones do so too; else
+segments are only split."""
 
 BEYOND = 4.0
 """Times the limit of segments: where so many are needed, by two meshes, no more is tried."""
@@ -102,7 +103,8 @@ def in_rounds(
         if met or reason:
             log.measured(found)
             return log.ended(best, wanted, reason)
-        lay = refined if len(log.rounds) < RELAID else split
+        anew = len(log.rounds) < RELAID or found.worst > FAR * wanted.accuracy
+        lay = refined if anew else split
         mesh = _better_mesh(problem, found, functions, wanted, lay)
         log.measured(found)
         answer = again(mesh, found.answer, True)
