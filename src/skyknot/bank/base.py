@@ -6,7 +6,8 @@
 3. A "closed form" is evaluated from the formula cited, not pasted.
 4. A "computed" optimum was found by multi-phase Radau and Gauss collocation (degrees 4–8, several
    meshes, tolerance 1e-12), with switches and singular arcs as phases; ``digits`` are those on
-   which both families agree. Every one is found again by a second scheme in ``tests/bank``.
+   which both families agree, or by flying its arcs one after another. ``tests/bank`` finds every
+   one again, by another scheme or by shooting.
 5. Numbers that others have printed are ``printed``, digit for digit; a print that is known to be
    wrong says why, and is told but not asked for.
 6. Where the optimal control jumps and the times are known, ``switches`` has them, in seconds.

@@ -96,18 +96,18 @@ def goddard() -> Reference:
         control_bounds=(0.0, 3.5),
     )
     source = (
-        "computed with the three arcs as phases; problem of Dolan, Moré & Munson, COPS 3.0 (2004),"
-        " where the height is 1 + z/100"
+        "computed by flying the three arcs, D (1 + v/c) = m g on the singular one (Bryson & Ho,"
+        " chapter 8); problem of Dolan, Moré & Munson, COPS 3.0 (2004), whose height is 1 + z/100"
     )
     start = line(0.2, [0.0, 0.05, 1.0], [1.0, 0.0, 0.6], [3.5], [0.0])
     return Reference(
         problem,
-        -1.283691859,
+        -1.28369183,
         source,
         start,
         kind=COMPUTED,
-        digits=10,
-        switches=(0.02350968431, 0.07267074300),
+        digits=9,
+        switches=(0.023509684, 0.072670743),
         recipe=Recipe(
             Radau(60, 3, controls="linear"), accuracy=1e-6, tolerance=1e-7, phases=(10, 5)
         ),
