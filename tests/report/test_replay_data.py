@@ -121,12 +121,18 @@ def test_without_equations_the_plan_is_read():
     assert Reading(without_problem()).flown is None
 
 
+def test_a_scale_of_thrust_stands_only_where_rotors_are_known():
+    assert "rotor thrust 0" in replay_element([Reading(flight())])
+    assert "rotor thrust 0" not in replay_element([Reading(flight("yaw"))])
+
+
 def test_names_cannot_end_the_data():
-    nasty = replace(flight().record, problem="</script><b>")
+    nasty = replace(flight().record, problem="</script><b>{data}")
     html = replay_element([Reading(replace(flight(), record=nasty))])
     (text,) = re.findall(r'<script type="application/json">(.*?)</script>', html, re.DOTALL)
-    assert json.loads(text)["vehicles"][0]["name"] == "</script><b>"
+    assert json.loads(text)["vehicles"][0]["name"] == "</script><b>{data}"
     assert "<b>" not in html
+    assert "Replay of &lt;/script&gt;&lt;b&gt;{data} in" in html
 
 
 def test_every_script_of_the_replay_is_shipped():

@@ -7,12 +7,14 @@ The scripts stand in ``web/``: ``three.bundle.js`` (built once from three.js, se
 from __future__ import annotations
 
 import json
+import re
 from base64 import b64encode
 from collections.abc import Sequence
 from functools import cache
 from hashlib import sha256
 from html import escape
 from pathlib import Path
+from typing import Any
 
 from skyknot.report.reading import Reading
 from skyknot.report.replay_data import replay_data
@@ -69,16 +71,30 @@ def replay_element(readings: Sequence[Reading], wind: Sequence[float] | None = N
     data = replay_data(readings, wind)
     # In a script element only "<" can end the data.
     text = json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
-    names = ", ".join(str(vehicle["name"]) for vehicle in data["vehicles"])
+    first = data["vehicles"][0]
+    colors = ", ".join(data["colors"])
+    blanks = {
+        "names": escape(", ".join(str(vehicle["name"]) for vehicle in data["vehicles"])),
+        "thrust_scale": _thrust_scale(first, colors),
+        "fastest": _short(max(first["speeds"])),
+        "colors": colors,
+        "without": WITHOUT,
+        "caption": CAPTIONS[first["source"]],
+        "data": text,
+    }
     frame = (WEB / "replay_frame.html").read_text(encoding="utf-8")
+    # In one pass: what is filled in is never looked at again.
+    return re.sub(r"\{(\w+)\}", lambda blank: blanks[blank[1]], frame)
+
+
+def _thrust_scale(vehicle: dict[str, Any], colors: str) -> str:
+    """Return the scale of the rotors' thrust; empty where the model knows no rotors."""
+    if vehicle["thrusts"] is None:
+        return ""
     return (
-        frame.replace("{names}", escape(names, quote=True))
-        .replace("{thrust_max}", _short(data["vehicles"][0]["thrustMax"]))
-        .replace("{fastest}", _short(max(data["vehicles"][0]["speeds"])))
-        .replace("{colors}", ", ".join(data["colors"]))
-        .replace("{without}", WITHOUT)
-        .replace("{caption}", CAPTIONS[data["vehicles"][0]["source"]])
-        .replace("{data}", text)
+        '<span class="gap">rotor thrust 0</span>'
+        f'<i style="background: linear-gradient(90deg, {colors})"></i>'
+        f"<span>{_short(vehicle['thrustMax'])} N</span>"
     )
 
 

@@ -6,7 +6,10 @@ const ELEVATION = 0.37;
 
 /** Points that an overview must show: the flights, and the corners of what stands around. */
 function pointsOf(data) {
-  const points = data.vehicles.flatMap((vehicle) => [...vehicle.places, ...vehicle.plan].filter((_, i) => i % 8 === 0));
+  const points = data.vehicles.flatMap(({ places, plan, span }) => {
+    const along = [...places, ...plan].filter((_, i) => i % 8 === 0);
+    return along.flatMap(([x, y, z]) => [[x, y, z - span], [x - span, y, z + span], [x + span, y, z + span]]);
+  });
   for (const vehicle of data.vehicles) {
     points.push(...[vehicle.places[0], vehicle.places.at(-1)].map(([x, y]) => [x, y, data.stage.low[2]]));
   }
