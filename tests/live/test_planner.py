@@ -172,6 +172,13 @@ def test_a_tighter_limit_is_kept(planner, name):
     assert reached <= share * own.value * (1 + 1e-6)
 
 
+def test_a_goal_that_jumps_takes_the_way_along(planner):
+    goal = np.add(planner.adjustable.wish.goal, (-4.0, 3.0, -1.0))
+    plan = planner.replan(goal=goal)
+    assert plan.solved, plan.sentence
+    assert plan.iterations < planner.certified.solution.rounds[0].iterations
+
+
 def test_a_goal_inside_a_building_is_refused_in_words(planner):
     kept = planner.certified
     plan = planner.replan(goal=(93.0, 77.0, -4.0))

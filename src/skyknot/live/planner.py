@@ -130,7 +130,8 @@ class Planner:
         self._check = QuickCheck(self.adjustable.problem)
         self._limits = Limits.of(mission.vehicle, **_stated(mission))
         self._workspace: Workspace | None = None
-        self._recent: deque[float] = deque(maxlen=RECENT)
+        self._recent: deque[tuple[float, float]] = deque(maxlen=RECENT)
+        self._path: Trajectory | None = None
         self.certified: Plan | None = None
         self.latest: Plan | None = None
         self.settle()
@@ -138,7 +139,12 @@ class Planner:
     @property
     def rate(self) -> float:
         """Re-plans per second, by the median time of the last ones; NaN before there is any."""
-        return 1 / median(self._recent) if self._recent else math.nan
+        return 1 / median(wall for wall, _ in self._recent) if self._recent else math.nan
+
+    @property
+    def rate_alone(self) -> float:
+        """The same per second of processor time: the rate where nothing else is running."""
+        return 1 / median(own for _, own in self._recent) if self._recent else math.nan
 
     @property
     def segments(self) -> int:
@@ -168,11 +174,11 @@ class Planner:
         self.wish = self.adjustable.changed(self.wish, start, goal, obstacles, limits)
         if self._workspace is None:
             return self.settle()
-        begun = time.perf_counter()
+        begun, own = time.perf_counter(), time.thread_time()
         plan = self._replanned(self._workspace)
         if plan.status is not None:
-            self._recent.append(time.perf_counter() - begun)
-        self.latest = plan
+            self._recent.append((time.perf_counter() - begun, time.thread_time() - own))
+        self.latest, self._path = plan, plan.trajectory or self._path
         return plan
 
     def settle(self) -> Plan:
@@ -203,7 +209,7 @@ class Planner:
         if plan.certified:
             self.certified = plan
         if plan.wish == self.wish:
-            self.latest = plan
+            self.latest, self._path = plan, plan.trajectory or self._path
             if plan.solved and plan.solution is not None:
                 self._workspace = Workspace.of(
                     self._scheme, self._functions, plan.problem, plan.solution
@@ -211,7 +217,7 @@ class Planner:
         return plan
 
     def _guesses(self) -> list[Trajectory | None]:
-        last = self.latest.trajectory if self.latest is not None else None
+        last = self._path
         own = self.adjustable.mission.guess
         return [own] if last is None else [last, own]
 

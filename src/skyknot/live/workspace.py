@@ -26,6 +26,11 @@ NEARBY = InteriorPoint(max_iterations=60, max_seconds=1.0)
 AFAR = InteriorPoint(max_iterations=150, max_seconds=1.0)
 """From the last path alone, when its multipliers mislead."""
 
+NUDGE = 0.5
+"""Smallest move of an end, in the state's unit, that takes the way in between along. Measured on
+the city mission: below, moving the end alone needs fewer iterations (7 against 9 at 0.2 m); above,
+many more (157 against 22 at 2 m)."""
+
 
 @dataclass
 class Workspace:
@@ -70,7 +75,7 @@ class Workspace:
     def solve(self, problem: Problem, tolerance: float) -> tuple[Program, SolverResult]:
         """Solve a problem that differs in numbers only; an answer is kept as the next start."""
         program = self.family.program(problem, self.path)
-        program = program.starting_at(np.clip(self.z, program.lower, program.upper))
+        program = program.starting_at(self._displaced(program))
         prepared = self.prepared.at(program)
         result = prepared.solve(
             NEARBY, program.start, tolerance, self.multipliers, interruptible=False
@@ -82,6 +87,23 @@ class Workspace:
         if result.status.success:
             self.z, self.multipliers = result.z, result.multipliers
         return program, result
+
+    def _displaced(self, program: Program) -> Array:
+        """Return the last answer with both ends moved to their bounds, and the way in between.
+
+        A state's move fades from one end of the horizon to the other, linearly in time.
+        """
+        layout, z = program.layout, self.z.copy()
+        places = layout.states_at(layout.state)
+        ends = places[0, 0], places[-1, -1]
+        first, last = (np.clip(z[e], program.lower[e], program.upper[e]) - z[e] for e in ends)
+        if max(np.abs(first).max(), np.abs(last).max()) < NUDGE:
+            return np.clip(z, program.lower, program.upper)
+        begins = np.cumsum(program.fractions) - program.fractions
+        tau = (begins[:, None] + program.fractions[:, None] * self.family.table.points)[..., None]
+        # a place shared by two segments takes its move once
+        z[places] = self.z[places] + (1 - tau) * first + tau * last
+        return np.clip(z, program.lower, program.upper)
 
     def recovered(self, program: Program, result: SolverResult) -> Recovered:
         """Return what an answer means, in the user's units."""
