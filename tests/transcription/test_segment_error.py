@@ -143,11 +143,15 @@ def test_limits_passed_between_the_nodes_are_seen_and_placed():
     assert np.argmax(error.passed) == np.searchsorted(solution.times, dense[np.argmax(over)]) - 1
 
 
-def test_constraints_on_controls_are_left_to_the_control():
-    effort = sk.PathConstraint("effort", lambda x, u: u[0] + 0 * x[0], upper=1e-3)
-    problem = pendulum(path=[effort], final=None)
-    error, _ = measured(problem, sk.HermiteSimpson(6))
-    assert error.constraints == 0.0
+def test_limits_that_involve_controls_are_judged_by_their_mean():
+    effort = sk.PathConstraint("effort", lambda x, u: u[0] + 0.3 * x[0], upper=0.4)
+    problem = pendulum(path=[effort])
+    error, solution = measured(problem, sk.HermiteSimpson(6, enforce="nodes"))
+    dense = np.linspace(0.0, 3.0, 6 * 500 + 1)[:-1] + 3.0 / 6000
+    over = solution.control(dense)[:, 0] + 0.3 * solution.state(dense)[:, 0] - 0.4
+    means = np.maximum(over, 0.0).reshape(6, 500).mean(axis=1) / 0.4
+    assert means.max() > 1e-3
+    np.testing.assert_allclose(error.passed, means, rtol=0.1, atol=0.02 * means.max())
 
 
 def test_sizes_are_those_given_else_one_more_than_the_largest_value():

@@ -50,8 +50,8 @@ class SegmentError:
     missed : (N, nx) miss at the end of a segment flown by itself
     apart : (N+1, nx) distance of the open-loop flight from the nodes
     effect : (N,) largest change that the miss of one segment makes in any later state
-    passed : (N,) how far state bounds and path constraints on states are passed inside a segment,
-        over the size of the bound (at least 1)
+    passed : (N,) how far limits are passed inside a segment, over the size of the bound (at least
+        1 for states): the peak for limits on states, the mean for those that involve controls
     smeared : (N,) share of the horizon over which a jump of a control in the segment is spread
     sizes : (nx,) w: the state's scale where given, else 1 + its largest magnitude
     """
@@ -132,22 +132,38 @@ def _between(motion: Motion) -> tuple[Array, Array]:
     packed = motion.packed(X, U, t)
     residual = np.abs(trajectory.state_rate(t) - motion.rates(packed)).reshape(N, SAMPLES, -1)
     integral = motion.h[:, None] * np.einsum("s,ksx->kx", 0.5 * weights, residual)
-    p, settled = motion.problem, motion.tapes.settled
-    path = [p.path[i] for i in settled]
-    lower = np.array([-np.inf if entry.lower is None else entry.lower for entry in path])
-    upper = np.array([np.inf if entry.upper is None else entry.upper for entry in path])
-    excess = _excess(X, p.state_lower, p.state_upper)
-    if settled:
-        values = motion.at(motion.tapes.path, packed)
-        excess = np.maximum(excess, _excess(values, lower, upper))
-    return integral, excess.reshape(N, SAMPLES).max(axis=1)
+    values = motion.at(motion.tapes.path, packed) if len(motion.problem.path) else X[:, :0]
+    return integral, _passed(motion, X, U, values, weights)
 
 
-def _excess(values: Array, lower: Array, upper: Array) -> Array:
-    """Return (M,) the largest excess over any bound, relative to the bound (at least 1)."""
-    below = (lower - values) / np.maximum(np.where(np.isfinite(lower), np.abs(lower), 1.0), 1.0)
-    above = (values - upper) / np.maximum(np.where(np.isfinite(upper), np.abs(upper), 1.0), 1.0)
-    result: Array = np.max(np.maximum(np.maximum(below, above), 0.0), axis=1)
+def _passed(motion: Motion, X: Array, U: Array, values: Array, weights: Array) -> Array:
+    """Return (N,) how far limits are passed: on states the peak, on controls the mean.
+
+    A control overshoots beside a jump, on any mesh, for a time that shrinks with it: the mean over
+    the segment counts, and less in a segment that is shorter than the average.
+    """
+    p, settled, N = motion.problem, motion.tapes.settled, len(motion.h)
+    lower = np.array([-np.inf if g.lower is None else g.lower for g in p.path])
+    upper = np.array([np.inf if g.upper is None else g.upper for g in p.path])
+    peak = _excess(X, p.state_lower, p.state_upper, 1.0)
+    peak = np.maximum(peak, _excess(values[:, settled], lower[settled], upper[settled], 1.0))
+    mixed = ~settled
+    mean = np.maximum(
+        _excess(U, p.control_lower, p.control_upper, 0.0),
+        _excess(values[:, mixed], lower[mixed], upper[mixed], 0.0),
+    ).reshape(N, SAMPLES) @ (0.5 * weights)
+    shorter = np.minimum(1.0, motion.h / np.mean(motion.h))
+    result: Array = np.maximum(peak.reshape(N, SAMPLES).max(axis=1), mean * shorter)
+    return result
+
+
+def _excess(values: Array, lower: Array, upper: Array, least: float) -> Array:
+    """Return (M,) the largest excess over any bound, relative to the bound (at least ``least``)."""
+    known = np.abs(np.where(np.isfinite([lower, upper]), [lower, upper], 0.0))
+    sizes = np.maximum(np.max(known, axis=0), least)
+    sizes = np.where(sizes > 0, sizes, 1.0)
+    outside = np.maximum(np.maximum(lower - values, values - upper), 0.0) / sizes
+    result: Array = np.max(outside, axis=1, initial=0.0)
     return result
 
 

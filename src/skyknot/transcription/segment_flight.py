@@ -148,14 +148,14 @@ class MotionTapes:
 
     Attributes
     ----------
-    rates : F, slopes : ∂F/∂x, path : the path constraints that see no control
-    settled : their rows in ``problem.path``
+    rates : F, slopes : ∂F/∂x, path : the path constraints
+    settled : (ng,) which of them see no control
     """
 
     rates: Tape
     slopes: Tape
     path: Tape
-    settled: tuple[int, ...]
+    settled: NDArray[np.bool_]
 
 
 @lru_cache(maxsize=32)
@@ -165,7 +165,7 @@ def tapes_of(point: ca.Function, constraints: int) -> MotionTapes:
     _, F, g = point(*inputs)
     F, slopes = ca.densify(F), ca.densify(ca.jacobian(F, inputs[0]))
     depends = ca.which_depends(g[:constraints], inputs[1], 1, True) if constraints else []
-    settled = tuple(i for i, by_control in enumerate(depends) if not by_control)
-    path = ca.densify(g[list(settled)]) if settled else ca.SX(0, 1)
+    settled = np.array([not by_control for by_control in depends], dtype=bool)
+    path = ca.densify(g[:constraints]) if constraints else ca.SX(0, 1)
     tapes = [Tape(ca.Function("motion", inputs, [ca.cse(e)])) for e in (F, slopes, path)]
     return MotionTapes(tapes[0], tapes[1], tapes[2], settled)
