@@ -23,6 +23,8 @@ SECOND = {
     "hang-glider": Recipe(sk.Radau(60, 3), accuracy=1e-5, tolerance=1e-8),
     "orbit-raising": Recipe(sk.Radau(24, 8)),
     "reorientation": Recipe(sk.HermiteSimpson(40), accuracy=1e-5, tolerance=1e-9),
+    "racing-quadrotor": Recipe(sk.HermiteSimpson(40), accuracy=1e-4, tolerance=1e-7),
+    "racing-quadrotor-short": Recipe(sk.HermiteSimpson(40), accuracy=1e-4, tolerance=1e-7),
     "quadrotor-transfer": Recipe(sk.Radau(10, 8)),
     "quadrotor-transfer-in-drag": Recipe(sk.Radau(10, 8)),
     "quadrotor-step": Recipe(sk.Radau(10, 8)),

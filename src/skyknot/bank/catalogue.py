@@ -10,6 +10,7 @@ import numpy as np
 
 from skyknot.bank import (
     attitudes,
+    fleets,
     integrators,
     rockets_and_gliders,
     rotorcraft,
@@ -80,6 +81,8 @@ CATALOGUE: dict[str, Callable[[], Reference]] = {
     "hang-glider": rockets_and_gliders.hang_glider,
     "orbit-raising": rockets_and_gliders.orbit_raising,
     "reorientation": attitudes.reorientation,
+    "racing-quadrotor": attitudes.racing_quadrotor,
+    "racing-quadrotor-short": partial(attitudes.racing_quadrotor, 5.0),
     # quadrotors
     "quadrotor-transfer": rotorcraft.quadrotor_transfer,
     "quadrotor-transfer-in-drag": rotorcraft.quadrotor_transfer_in_drag,
@@ -94,6 +97,8 @@ CATALOGUE: dict[str, Callable[[], Reference]] = {
     "upright-yaw": rotorcraft.upright_yaw,
     "planar-quadrotor": rotorcraft.planar_quadrotor,
     "lateral-minimum-time": rotorcraft.lateral_minimum_time,
+    # several at once
+    "fleet": fleets.fleet,
 }
 """Name in the command line and the documents → what makes the reference."""
 
