@@ -119,6 +119,9 @@ class Verification(Section):
     closed_loop: Positive | None = Field(
         default=None, description="miss of the end when flown with feedback [share]"
     )
+    perturbed: Positive | None = Field(
+        default=None, description="miss of the end with feedback, from starts a little off [share]"
+    )
 
 
 class Outputs(Section):

@@ -51,11 +51,11 @@ def feedback(evidence: Evidence, limits: Limits) -> Check | None:
         return None
     return _tracked(
         evidence,
-        limits,
         "closed-loop flight",
         "Flown from the first state by DOP853 with the solution's own gains, clipped to the control"
         " bounds, the gains held over the last 3 % of the horizon; miss of the end, state by state",
         slice(0, 1),
+        limits.closed_loop,
     )
 
 
@@ -65,15 +65,15 @@ def perturbed(evidence: Evidence, limits: Limits) -> Check | None:
         return None
     return _tracked(
         evidence,
-        limits,
         "closed-loop, perturbed",
         "As the closed-loop flight, from four seeded starts with every state off by 0.5 % of the"
         " range it passes through; worst miss of the end",
         slice(1, None),
+        limits.perturbed,
     )
 
 
-def _tracked(evidence: Evidence, limits: Limits, name: str, how: str, which: slice) -> Check:
+def _tracked(evidence: Evidence, name: str, how: str, which: slice, share: float) -> Check:
     assert evidence.tracked is not None
     apart = np.abs(evidence.tracked[which] - evidence.trajectory.states)
     shares = np.where(np.isfinite(apart), apart / evidence.state_sizes, np.inf)
@@ -84,7 +84,7 @@ def _tracked(evidence: Evidence, limits: Limits, name: str, how: str, which: sli
         name,
         f"{how} (on the way at most {along} at {evidence.times[k]:.4g} s).",
         apart[:, -1],
-        limits.closed_loop * evidence.state_sizes,
+        share * evidence.state_sizes,
         evidence.problem.state_names,
         evidence.state_units,
         np.repeat(evidence.times[-1:], len(apart)),

@@ -55,7 +55,9 @@ class Limits:
     curvature : negative curvature of the Lagrangian along directions that keep the constraints,
         relative to the largest curvature of the same controls: below it rounding decides.
     closed_loop : share of its size by which a state may miss its end when flown with the
-        solution's own feedback, from the exact and from perturbed starts. As for ``arrival``.
+        solution's own feedback from its own start. As for ``arrival``.
+    perturbed : the same from starts that are half a per cent off: feedback that makes more than ten
+        times as much of it at the end does not hold the flight.
     arrival : share of its size by which a state may miss its end when flown open loop: the upper
         end of the "1–2 %" of section 5.4 of the source report.
 
@@ -78,6 +80,7 @@ class Limits:
     minimum: float = 0.01
     curvature: float = 1e-6
     closed_loop: float = 0.02
+    perturbed: float = 0.05
 
     @classmethod
     def of(cls, vehicle: object, **given: float) -> Limits:
