@@ -15,6 +15,7 @@ from skyknot.cli.doctor import doctor
 from skyknot.cli.exits import Exit
 from skyknot.cli.exporting import export
 from skyknot.cli.listing import missions, schema, vehicles
+from skyknot.cli.live import live
 from skyknot.cli.plotting import plot
 from skyknot.cli.scheme_list import schemes
 from skyknot.cli.solving import solve
@@ -58,11 +59,14 @@ def about(
       skyknot verify runs/city_hop                  check the answer again
 
       skyknot export runs/city_hop --to csv         give it to other programs
+
+      skyknot live city_hop                         drag the goal, see the path follow
     """
 
 
 for _command in (
     solve,
+    live,
     lint,
     verify,
     export,
