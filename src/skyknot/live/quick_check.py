@@ -7,6 +7,7 @@ inputs, instead of once for each answer. Flight, costates and optimality are lef
 from __future__ import annotations
 
 import copy
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
@@ -17,7 +18,7 @@ from skyknot.problem.problem import Problem, symbols
 from skyknot.trajectory import Trajectory
 from skyknot.verification import Certificate, Limits, ends, motion, room
 from skyknot.verification.equations import Equations
-from skyknot.verification.evidence import Evidence
+from skyknot.verification.evidence import Evidence, Samples
 
 Array = NDArray[np.float64]
 
@@ -54,6 +55,7 @@ class SharedEquations(Equations):
         self._rates = ca.Function("rates", inputs, [ca.cse(rates)])
         self._path = ca.Function("path", inputs, [ca.cse(every[:along])])
         self._points = ca.Function("points", inputs, [ca.cse(every[along:])])
+        self._mapped: dict[tuple[str, int], Any] = {}
         self._values = np.array(list(problem.parameter_values().values()), dtype=float)
 
     def of(self, problem: Problem) -> SharedEquations:
@@ -66,9 +68,24 @@ class SharedEquations(Equations):
         return other
 
     def _at(self, function: Any, X: Array, U: Array, t: Array) -> Array:  # type: ignore[override]
-        p = np.repeat(self._values[:, None], len(t), axis=1)
-        result = function.map(len(t))(X.T, U.T, t[None, :], p)
+        key = function.name(), len(t)
+        if key not in self._mapped:  # the parameters are the same at all points
+            self._mapped[key] = function.map(function.name(), "serial", len(t), [3], [])
+        result = self._mapped[key](X.T, U.T, t[None, :], self._values)
         return np.asarray(result.full(), dtype=float).T
+
+
+class QuickEvidence(Evidence):
+    """Evidence without the equations between the nodes, which no quick check looks at."""
+
+    @cached_property
+    def samples(self) -> Samples:
+        """The trajectory between its nodes; its rates there are left out, as NaN."""
+        tau = (np.arange(self.density) + 0.5) / self.density
+        times = (self.times[:-1, None] + self.lengths[:, None] * tau).ravel()
+        X, U = self.trajectory.state(times), self.trajectory.control(times)
+        path, left_out = self.equations.path(X, U, times), np.full_like(X, np.nan)
+        return Samples(times, X, U, state_rates=left_out, rates=left_out, path=path)
 
 
 class QuickCheck:
@@ -83,7 +100,7 @@ class QuickCheck:
 
     def __call__(self, problem: Problem, trajectory: Trajectory, limits: Limits) -> Certificate:
         """Return the quick part of the certificate of a trajectory."""
-        evidence = Evidence(problem, trajectory, {}, equations=self.equations(problem))
+        evidence = QuickEvidence(problem, trajectory, {}, equations=self.equations(problem))
         found = [check(evidence, limits) for check in QUICK]
         checks = {check.name: check for check in found if check is not None}
         return Certificate(problem.name, checks, (NOTE,))
