@@ -51,8 +51,9 @@ def test_phases_give_the_exact_switch_from_a_coarse_answer():
 
 def test_phases_keep_a_running_cost():
     reference = CATALOGUE["soft-landing"]()
-    rough = sk.solve(reference.problem, sk.HermiteSimpson(20), tolerance=1e-8)
+    rough = sk.solve(reference.problem, sk.HermiteSimpson(60), tolerance=1e-8)
     stated = phased(reference.problem, rough.trajectory)
+    assert stated.phases == 2
     scheme = sk.Radau(2, 3, controls="linear")
     exact = sk.solve(stated.problem, scheme, guess=stated.guess, tolerance=1e-10)
     assert exact.objective == pytest.approx(reference.optimum, rel=1e-9)

@@ -103,7 +103,6 @@ class Reference:
     switches : known times at which a control jumps, s, in order
     complete : whether ``switches`` are all there are
     recipe : how the reference is reached
-    heavy : whether a solve takes many seconds, so that only the command runs it
     """
 
     problem: Problem
@@ -119,7 +118,6 @@ class Reference:
     switches: tuple[float, ...] = ()
     complete: bool = True
     recipe: Recipe = field(default_factory=Recipe)
-    heavy: bool = False
 
     @property
     def limit(self) -> float:

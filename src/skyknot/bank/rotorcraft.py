@@ -222,5 +222,4 @@ def lateral_minimum_time(d: float = 5.0) -> Reference:
         kind=COMPUTED,
         digits=6,
         recipe=Recipe(Radau(40, 3), accuracy=1e-4, tolerance=1e-7),
-        heavy=True,
     )
