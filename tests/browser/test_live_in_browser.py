@@ -94,7 +94,7 @@ def test_a_typed_goal_moves_the_path(live, visit):
     visit.get_by_text("Re-plans:").wait_for(timeout=1e3 * PATIENCE)
 
 
-def test_the_goal_is_dragged_and_the_rate_is_measured(live, visit, capsys):
+def test_the_goal_is_dragged_and_the_rate_is_measured(live, visit, screens, capsys):
     planner = live.planner
     handle = live._view.handles["goal"]
     until(lambda: planner.latest.thorough, "the page is at rest")
@@ -116,6 +116,7 @@ def test_the_goal_is_dragged_and_the_rate_is_measured(live, visit, capsys):
     end = planner.latest.trajectory.states[-1, :3]
     np.testing.assert_allclose(end, goal, atol=1e-6)
     assert np.linalg.norm(end - path) > 0.5
+    visit.screenshot(path=screens / "live_page.png")
     assert planner.rate > 0
     with capsys.disabled():
         sys.stdout.write(
