@@ -52,19 +52,7 @@ std::vector<double> Newton::node_control_rows(int k) const {
     const auto add = [&](int a, int b, double value) {
         if (a >= nx && a < width && b < width) H[at((a - nx) * width + b)] += value;
     };
-    const RowBuffer& rows = points_.rows[0];
-    for (std::size_t e = 0; e < S_.H.size(); ++e) {
-        const double h = rows.row(S_.row_H() + static_cast<int>(e))[k];
-        add(S_.H.row[e], S_.H.column[e], h);
-        if (S_.H.row[e] != S_.H.column[e]) add(S_.H.column[e], S_.H.row[e], h);
-    }
-    for (std::size_t e = 0; e < S_.Jg.size(); ++e)
-        for (std::size_t f = 0; f < S_.Jg.size(); ++f)
-            if (S_.Jg.row[e] == S_.Jg.row[f])
-                add(S_.Jg.column[e], S_.Jg.column[f],
-                    groups[0].total.row(S_.Jg.row[e])[k] *
-                        rows.row(S_.row_Jg() + static_cast<int>(e))[k] *
-                        rows.row(S_.row_Jg() + static_cast<int>(f))[k]);
+    visit_node_hessian(k, add);
     for (int i = 0; i < nu; ++i)
         add(nx + i, nx + i, weight_v.row(S_.control_row(0, i))[k] + regularisation);
     return H;

@@ -85,6 +85,9 @@ private:
         return segment_.get() + static_cast<std::size_t>(first) * elimination_.segment_rows - first;
     }
     bool factor_border();
+    // Calls add(row, column, value) for what the point of node k adds to the Hessian over (x, u, q).
+    template <class Add>
+    void visit_node_hessian(int k, Add add) const;
     std::vector<double> node_control_rows(int k) const;
     void structured_solve(const RowBuffer& g, const double* g_q, const RowBuffer& d,
                           RowBuffer& step, double* step_q, RowBuffer& lambda);
@@ -116,5 +119,23 @@ private:
     Workspace terminal_workspace_, program_workspace_;
     std::vector<double> terminal_hessian_;
 };
+
+template <class Add>
+void Newton::visit_node_hessian(int k, Add add) const {
+    const auto entry = [&](int row, std::size_t e) {
+        return points_.rows[0].row(row + static_cast<int>(e))[k];
+    };
+    for (std::size_t e = 0; e < S_.H.size(); ++e) {
+        const double h = entry(S_.row_H(), e);
+        add(S_.H.row[e], S_.H.column[e], h);
+        if (S_.H.row[e] != S_.H.column[e]) add(S_.H.column[e], S_.H.row[e], h);
+    }
+    for (std::size_t e = 0; e < S_.Jg.size(); ++e)
+        for (std::size_t f = 0; f < S_.Jg.size(); ++f)
+            if (S_.Jg.row[e] == S_.Jg.row[f])
+                add(S_.Jg.column[e], S_.Jg.column[f],
+                    groups[0].total.row(S_.Jg.row[e])[k] * entry(S_.row_Jg(), e) *
+                        entry(S_.row_Jg(), f));
+}
 
 }  // namespace skyknot::inline SKYKNOT_ISA

@@ -96,21 +96,7 @@ void Newton::fill_terminal() {
     for (int a = 0; a < n; ++a)
         for (int b = 0; b < n; ++b)
             add(from_terminal(a), from_terminal(b), terminal_hessian_[at(a * n + b)]);
-    if (S_.shared) {
-        const RowBuffer& rows = points_.rows[0];
-        for (std::size_t k = 0; k < S_.H.size(); ++k) {
-            const double h = rows.row(S_.row_H() + static_cast<int>(k))[S_.N];
-            add(S_.H.row[k], S_.H.column[k], h);
-            if (S_.H.row[k] != S_.H.column[k]) add(S_.H.column[k], S_.H.row[k], h);
-        }
-        for (std::size_t k = 0; k < S_.Jg.size(); ++k)
-            for (std::size_t l = 0; l < S_.Jg.size(); ++l)
-                if (S_.Jg.row[k] == S_.Jg.row[l])
-                    add(S_.Jg.column[k], S_.Jg.column[l],
-                        groups[0].total.row(S_.Jg.row[k])[S_.N] *
-                            rows.row(S_.row_Jg() + static_cast<int>(k))[S_.N] *
-                            rows.row(S_.row_Jg() + static_cast<int>(l))[S_.N]);
-    }
+    if (S_.shared) visit_node_hessian(S_.N, add);
     for (int i = 0; i < S_.nx; ++i)
         P[i * sp + i] += weight_v.row(S_.state_row(0, i))[S_.N] + regularisation;
     if (S_.shared)

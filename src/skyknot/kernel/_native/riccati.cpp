@@ -32,7 +32,6 @@ Riccati::Riccati(const Structure& structure, bool elastic)
       L_(make_workspace(size(N_) * size(layout_.wp, layout_.nv))),
       inverse_(make_workspace(size(N_, layout_.vp))),
       M_(make_workspace(size(layout_.sp, layout_.wp))),
-      C_(make_workspace(size(layout_.sp, layout_.ns))),
       first_(size(layout_.ns, layout_.ns)) {
     free_.reserve(size(layout_.ns));
 }

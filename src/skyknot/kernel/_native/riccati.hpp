@@ -72,7 +72,7 @@ private:
     StageLayout layout_;
     int N_;
     Workspace stages_, hessians_, P_, L_, inverse_;  // inverse_: 1 / L_ii, (N, vp)
-    Workspace M_, C_;
+    Workspace M_;
     std::vector<double> first_;           // Cholesky factor over the free part of s_0
     std::vector<int> free_;
 };
