@@ -27,7 +27,7 @@ def testimony(program: Program, points: Array, multipliers: Multipliers) -> Witn
     A, weights = np.zeros((len(program.C), s)), np.zeros((N, s))
     A[:, used], weights[:, used] = program.A, program.segment_cost
     path = np.zeros((N, s, ng))
-    path[:, used] = _once(program.segment_points, multipliers.path)
+    path[:, used] = _once(program.segment_points, multipliers.path[program.segment_points])
     bounds = multipliers.bounds
     return Witness(
         points=points,
@@ -38,8 +38,8 @@ def testimony(program: Program, points: Array, multipliers: Multipliers) -> Witn
         shared=program.shared,
         defects=multipliers.defects,
         path=path,
-        state_bounds=_once(layout.state, _following(bounds, layout.nx)),
-        control_bounds=_once(layout.control, _following(bounds, layout.nu)),
+        state_bounds=_once(layout.state, bounds[layout.states_at(layout.state)]),
+        control_bounds=_once(layout.control, bounds[layout.controls_at(layout.control)]),
         global_bounds=bounds[layout.global_positions],
         rates=multipliers.rates,
         rate_values=_control_places(program),
@@ -48,20 +48,13 @@ def testimony(program: Program, points: Array, multipliers: Multipliers) -> Witn
     )
 
 
-def _following(values: Array, n: int) -> Array:
-    """Return (size, n): at every position the n entries from there on, kept inside."""
-    size = len(values)
-    result: Array = values[np.minimum(np.arange(size)[:, None] + np.arange(n), size - 1)]
-    return result
-
-
 def _once(places: Offsets, values: Array) -> Array:
-    """Return values (P, n) at places (N, j) as (N, j, n); a repeated place keeps its last one."""
+    """Return values (N, j, n) at places (N, j), zero at a repeated place but for its last one."""
     flat = places.ravel()
-    last = np.zeros(len(values), dtype=np.intp)
+    last = np.zeros(flat.max() + 1, dtype=np.intp)
     last[flat] = np.arange(len(flat))
-    owner = last[flat] == np.arange(len(flat))
-    result: Array = np.where(owner[:, None], values[flat], 0.0).reshape(*places.shape, -1)
+    owner = (last[flat] == np.arange(len(flat))).reshape(places.shape)
+    result: Array = np.where(owner[..., None], values, 0.0)
     return result
 
 
