@@ -3,43 +3,21 @@
 from __future__ import annotations
 
 import json
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from cli.small_missions import mission_text
 from skyknot.cli.main import app
 from skyknot.export import FORMATS
-from skyknot.missions.mission import FOLDER
 
 RUNNER = CliRunner()
 
 
 def export(*words: object):
     return RUNNER.invoke(app, ["export", *(str(word) for word in words)])
-
-
-@pytest.fixture(scope="module")
-def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("runs")
-    path = folder / "transfer.toml"
-    path.write_text(mission_text("yaw_point_transfer"), encoding="utf-8")
-    run = folder / "transfer"
-    assert RUNNER.invoke(app, ["solve", str(path), "--out", str(run)]).exit_code == 0
-    return run
-
-
-def mission_text(name: str) -> str:
-    """Return a library mission that writes no report, which these tests do not look at."""
-    text = (FOLDER / f"{name}.toml").read_text(encoding="utf-8")
-    return text + "\n[outputs]\nreport = false\n"
-
-
-@pytest.fixture
-def run(kept: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(kept, tmp_path / "transfer"))
 
 
 @pytest.mark.parametrize("name", FORMATS)

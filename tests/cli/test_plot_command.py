@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -11,7 +10,6 @@ import pytest
 from typer.testing import CliRunner
 
 from skyknot.cli.main import app
-from skyknot.missions.mission import FOLDER
 from skyknot.report import KINDS, animation
 
 RUNNER = CliRunner()
@@ -19,27 +17,6 @@ RUNNER = CliRunner()
 
 def plot(*words: object):
     return RUNNER.invoke(app, ["plot", *(str(word) for word in words)])
-
-
-@pytest.fixture(scope="module")
-def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("runs")
-    path = folder / "transfer.toml"
-    path.write_text(mission_text("yaw_point_transfer"), encoding="utf-8")
-    run = folder / "transfer"
-    assert RUNNER.invoke(app, ["solve", str(path), "--out", str(run)]).exit_code == 0
-    return run
-
-
-def mission_text(name: str) -> str:
-    """Return a library mission that writes no report, which these tests do not look at."""
-    text = (FOLDER / f"{name}.toml").read_text(encoding="utf-8")
-    return text + "\n[outputs]\nreport = false\n"
-
-
-@pytest.fixture
-def run(kept: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(kept, tmp_path / "transfer"))
 
 
 @pytest.mark.parametrize("kind", ["path", "position", "overview"])
