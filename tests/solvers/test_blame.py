@@ -8,21 +8,7 @@ import pytest
 
 import skyknot as sk
 from skyknot.solvers.blame import worst_violation
-
-
-def mover(**extras):
-    asked = {
-        "name": "mover",
-        "states": ["height", "speed"],
-        "controls": ["push"],
-        "dynamics": lambda x, u: [x[1], u[0]],
-        "horizon": 1.0,
-        "initial": [1.0, 0.0],
-        "final": [0.2, 0.0],
-        "running_cost": lambda x, u: u[0] ** 2,
-    }
-    return sk.Problem(**(asked | extras))
-
+from solvers.probes import mover
 
 UNDEFINED = {
     "The rate of speed is not a number": {

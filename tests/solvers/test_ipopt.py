@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-import textwrap
-
 import numpy as np
 import pytest
 
@@ -16,35 +11,14 @@ from skyknot import bank as problems
 from skyknot.kernel.evaluation import evaluate, residuals
 from skyknot.kernel.program import Multipliers
 from skyknot.solvers.nonlinear_program import nonlinear_program
+from solvers.probes import status_after_ctrl_c
 
 CART_POLE = problems.cart_pole().problem
 MESH = sk.HermiteSimpson(20)
 
 
 def test_ctrl_c_during_the_solve_returns_an_interrupted_solution():
-    script = """
-        import os, signal, skyknot as sk
-        # unbounded below: never ends by itself
-        problem = sk.Problem("fall", ["x"], ["u"], lambda x, u: [u[0]], 1.0, [0.0],
-                             running_cost=lambda x, u: u[0])
-        count = 0
-        def press(record):
-            global count
-            count += 1
-            if count == 5:
-                os.kill(os.getpid(), signal.SIGINT)
-        solution = sk.solve(problem, sk.HermiteSimpson(5), sk.Ipopt(max_iterations=5000),
-                            callback=press)
-        print(solution.status)
-    """
-    finished = subprocess.run(
-        [sys.executable, "-c", textwrap.dedent(script)],
-        capture_output=True,
-        text=True,
-        check=False,
-        env=dict(os.environ),
-    )
-    assert finished.stdout.strip() == "interrupted", finished.stderr
+    assert status_after_ctrl_c("sk.Ipopt(max_iterations=5000)") == "interrupted"
 
 
 @pytest.mark.parametrize(

@@ -6,11 +6,6 @@ The report's transfer, N = 100, from the straight guess: defect ≤ 1e-6 and opt
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-import textwrap
-
 import numpy as np
 import pytest
 
@@ -24,6 +19,7 @@ from skyknot.solvers.metric import Metric
 from skyknot.solvers.plain_descent import PrintedDescent
 from skyknot.solvers.projected_gradient import FORMS, stability
 from skyknot.solvers.structured_descent import StructuredDescent
+from solvers.probes import mover, status_after_ctrl_c
 
 TRANSFER = missions.load("report_transfer")
 MESH = sk.HermiteSimpson(100)
@@ -237,20 +233,6 @@ def test_the_form_with_multipliers_says_that_it_has_not_solved_the_transfer():
 # --- refusals and interruptions -------------------------------------------------------------------
 
 
-def mover(**extras) -> sk.Problem:
-    asked = {
-        "name": "mover",
-        "states": ["height", "speed"],
-        "controls": ["push"],
-        "dynamics": lambda x, u: [x[1], u[0]],
-        "horizon": 1.0,
-        "initial": [1.0, 0.0],
-        "final": [0.2, 0.0],
-        "running_cost": lambda x, u: u[0] ** 2,
-    }
-    return sk.Problem(**(asked | extras))
-
-
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize(
     ("words", "extras"),
@@ -309,25 +291,7 @@ def test_a_callback_stops_every_form(form):
 
 
 def test_ctrl_c_during_the_solve_returns_an_interrupted_solution():
-    script = """
-        import os, signal, skyknot as sk
-        # unbounded below: never ends by itself
-        problem = sk.Problem("fall", ["x"], ["u"], lambda x, u: [u[0]], 1.0, [0.0],
-                             running_cost=lambda x, u: u[0])
-        count = 0
-        def press(record):
-            global count
-            count += 1
-            if count == 5:
-                os.kill(os.getpid(), signal.SIGINT)
-        solver = sk.ProjectedGradient(form="multipliers", max_iterations=100000)
-        print(sk.solve(problem, sk.HermiteSimpson(5), solver, callback=press).status)
-    """
-    finished = subprocess.run(
-        [sys.executable, "-c", textwrap.dedent(script)],
-        capture_output=True,
-        text=True,
-        check=False,
-        env=dict(os.environ),
+    assert (
+        status_after_ctrl_c("sk.ProjectedGradient(form='multipliers', max_iterations=100000)")
+        == "interrupted"
     )
-    assert finished.stdout.strip() == "interrupted", finished.stderr

@@ -9,6 +9,7 @@ import pytest
 import skyknot as sk
 from skyknot import bank as problems
 from skyknot.solvers import SOLVERS
+from solvers.probes import mover
 
 CART_POLE = problems.cart_pole().problem
 MESH = sk.HermiteSimpson(20)
@@ -34,20 +35,6 @@ def path_solver(request):
 
 def limited(solver, **settings):
     return type(SOLVERS[solver]())(**settings)
-
-
-def mover(**extras):
-    asked = {
-        "name": "mover",
-        "states": ["height", "speed"],
-        "controls": ["push"],
-        "dynamics": lambda x, u: [x[1], u[0]],
-        "horizon": 1.0,
-        "initial": [1.0, 0.0],
-        "final": [0.2, 0.0],
-        "running_cost": lambda x, u: u[0] ** 2,
-    }
-    return sk.Problem(**(asked | extras))
 
 
 def test_a_solver_finds_the_optimum_and_tells_its_name(solver):
