@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
 import zipfile
 import zlib
 from dataclasses import asdict
@@ -18,6 +16,7 @@ from skyknot.errors import UserError
 from skyknot.solution import MeshRound, Record, Solution
 from skyknot.status import Status
 from skyknot.trajectory import SegmentData, Trajectory
+from skyknot.whole_file import replace_file
 from skyknot.witness import Witness
 
 Array = NDArray[np.float64]
@@ -126,26 +125,6 @@ def _rows(trajectory: Trajectory) -> Array:
     )
     rows: Array = np.concatenate([nodes, between])
     return rows[np.argsort(rows[:, 0])]
-
-
-def replace_file(path: Path, write: Any) -> None:
-    """Call ``write`` on a temporary file beside ``path``, then rename it; clean up on failure."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write(part)
-        os.replace(part, path)
-    except OSError as error:
-        raise UserError(
-            "The file cannot be written.",
-            where=str(path),
-            found=f"{type(error).__name__}: {error.strerror}",
-            expected="a writable folder with enough space",
-            do="Choose another place, or free some space; an earlier file there is untouched.",
-        ) from error
-    finally:
-        with contextlib.suppress(OSError):
-            part.unlink()
 
 
 def _write_npz(part: Path, arrays: dict[str, Any]) -> None:

@@ -27,6 +27,7 @@ from skyknot.cli.exits import Exit, command, finite, print_json
 from skyknot.cli.solving import JsonOption
 from skyknot.errors import UserError
 from skyknot.report.error_picture import error_figure
+from skyknot.report.figures import write_bytes
 from skyknot.report.stability_picture import write_figure
 
 
@@ -79,8 +80,7 @@ def bank(
     _show(console, judgements, errors)
     facts = _facts(judgements, errors)
     if markdown is not None:
-        markdown.parent.mkdir(parents=True, exist_ok=True)
-        markdown.write_text(page(judgements, errors), encoding="utf-8")
+        write_bytes(markdown, page(judgements, errors).encode())
     if out is not None:
         _write(out, judgements, errors, facts)
     if as_json:
@@ -193,9 +193,8 @@ def _problem_facts(judgement: Judgement) -> dict[str, Any]:
 def _write(
     out: Path, judgements: list[Judgement], errors: list[MeshErrors], facts: dict[str, Any]
 ) -> None:
-    out.mkdir(parents=True, exist_ok=True)
-    (out / "bank.md").write_text(page(judgements, errors), encoding="utf-8")
-    (out / "bank.json").write_text(json.dumps(facts, indent=1), encoding="utf-8")
+    write_bytes(out / "bank.md", page(judgements, errors).encode())
+    write_bytes(out / "bank.json", json.dumps(facts, indent=1).encode())
     families: dict[str, dict[str, tuple[tuple[int, ...], tuple[float, ...]]]] = {}
     for each in errors:
         if not all(math.isnan(error) for error in each.errors):

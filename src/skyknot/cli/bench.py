@@ -17,6 +17,7 @@ from skyknot.bench.robustness import Case, study, summary
 from skyknot.bench.suite import Results, measured, plan
 from skyknot.cli.exits import Exit, command, finite, print_json
 from skyknot.cli.solving import JsonOption
+from skyknot.report.figures import write_bytes
 
 
 @command
@@ -117,8 +118,8 @@ def _write(results: Results, facts: dict[str, Any], out: Path) -> None:
         "",
         *(tables.in_markdown(*section) for section in _sections(results)),
     ]
-    (out / "bench.md").write_text("\n".join(parts), encoding="utf-8")
-    (out / "bench.json").write_text(json.dumps(facts, indent=1), encoding="utf-8")
+    write_bytes(out / "bench.md", "\n".join(parts).encode())
+    write_bytes(out / "bench.json", json.dumps(facts, indent=1).encode())
     if results.growth:
         write_growth_figure(results, out / "growth.png")
 
@@ -135,7 +136,7 @@ def _robustness(console: Console, cases: int, out: Path | None) -> dict[str, Any
     )
     if out is not None:
         facts["cases"] = [finite(dataclasses.asdict(case)) for case in found]
-        (out / "robustness.json").write_text(json.dumps(facts, indent=1), encoding="utf-8")
+        write_bytes(out / "robustness.json", json.dumps(facts, indent=1).encode())
     return facts
 
 

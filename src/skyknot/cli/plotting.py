@@ -18,7 +18,7 @@ from skyknot.missions import Mission
 from skyknot.report.animation import FILMS, animated, best_film
 from skyknot.report.figures import KINDS, illustrate, rendered
 from skyknot.solution import Solution
-from skyknot.storage import replace_file
+from skyknot.whole_file import replace_file
 
 PICTURES = ("pdf", "svg", "png")
 """Formats of figures; the first is the default."""

@@ -12,7 +12,7 @@ from skyknot.export.formats import FORMATS
 from skyknot.export.geodesy import Origin, parsed_origin
 from skyknot.export.samples import Flight, sample_times, sampled, state_names
 from skyknot.solution import Solution
-from skyknot.storage import replace_file
+from skyknot.whole_file import replace_file
 
 MARK = "UNCERTIFIED"
 

@@ -25,6 +25,7 @@ from skyknot.report.reading import Reading
 from skyknot.report.style import styled
 from skyknot.solution import Solution
 from skyknot.trajectory import Trajectory
+from skyknot.whole_file import replace_file
 
 KINDS: dict[str, Kind] = {
     kind.name: kind
@@ -155,14 +156,4 @@ def rendered(figure: Figure, suffix: str) -> bytes:
 
 def write_bytes(path: Path, content: bytes) -> None:
     """Write a file, its folder too; a failure is told as a UserError."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
-    except OSError as error:
-        raise UserError(
-            "The file cannot be written.",
-            where=str(path),
-            found=f"{type(error).__name__}: {error.strerror}",
-            expected="a writable folder with enough space",
-            do="Choose another place, or free some space.",
-        ) from error
+    replace_file(path, lambda part: part.write_bytes(content))
