@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from skyknot.kernel.incidence import joined, summed
 from skyknot.kernel.program import Multipliers, Program
 from skyknot.kernel.tape import Tape
 
@@ -64,7 +65,7 @@ def evaluate(program: Program, z: Array) -> Evaluation:
             np.broadcast_to(p, (P, len(p))),
         ]
     )
-    x_end = z[program.layout.states_at(program.layout.state[-1, -1:])[0]]
+    x_end = z[program.incidence.last]
     M, JM = _terminal(program.parametric_terminal).evaluate([x_end[None], q[None], p[None]])
     return Evaluation(
         L=L[:, 0],
@@ -94,7 +95,7 @@ def objective(program: Program, values: Evaluation) -> float:
 
 def defects(program: Program, z: Array, values: Evaluation) -> Array:
     """Return the (N, s−1, nx) defects: predicted minus actual."""
-    X = z[program.layout.states_at(program.layout.state)]
+    X = z[program.incidence.states]
     F = values.F[program.segment_points]
     result: Array = np.einsum("ij,kjx->kix", program.C, X) + program.fractions[
         :, None, None
@@ -116,25 +117,23 @@ def gradient(
     program: Program, values: Evaluation, multipliers: Multipliers, with_defects: bool = True
 ) -> Array:
     """Return the (size,) gradient of the Lagrangian; bounds' multipliers included."""
-    layout = program.layout
+    places, rows = program.incidence, program.rates
     nx, nu, _, _ = program.sizes
-    total = multipliers.bounds.copy()
     per_point = program.point_cost[:, None] * values.JL
     per_point += (multipliers.path[:, None, :] @ values.Jg)[:, 0]
+    states = np.zeros(places.states.shape)
     if with_defects:
-        weighted = np.einsum("k,ij,kix->kjx", program.fractions, program.A, multipliers.defects)
-        nu_point = np.zeros_like(values.F)
-        np.add.at(nu_point, program.segment_points, weighted)
-        per_point += (nu_point[:, None, :] @ values.JF)[:, 0]
+        per_point += (_rate_multipliers(program, multipliers)[:, None, :] @ values.JF)[:, 0]
         states = np.einsum("ij,kix->kjx", program.C, multipliers.defects)
-        np.add.at(total, layout.states_at(layout.state), states)
-    np.add.at(total, layout.states_at(program.point_state), per_point[:, :nx])
-    spread = program.point_weights[:, :, None] * per_point[:, None, nx : nx + nu]
-    np.add.at(total, layout.controls_at(program.point_control), spread)
-    total[layout.global_positions] += per_point[:, nx + nu :].sum(axis=0)
-    total[layout.states_at(layout.state[-1, -1:])[0]] += values.JM[:nx]
-    total[layout.global_positions] += values.JM[nx:]
-    _add_rates(program, multipliers.rates, total)
+    controls = program.point_weights[:, :, None] * per_point[:, None, nx : nx + nu]
+    rates = multipliers.rates[:, None] * rows.weights
+    parts = joined(multipliers.bounds, states, per_point[:, :nx], controls, rates)
+    total = summed(places.gradient_entries, parts, program.layout.size)
+    total[places.globals] += per_point[:, nx + nu :].sum(axis=0)
+    total[places.last] += values.JM[:nx]
+    total[places.globals] += values.JM[nx:]
+    if program.duration is None:
+        total[program.layout.globals] -= _rate_slope(program, multipliers.rates)
     return total
 
 
@@ -150,13 +149,20 @@ def complete_fixed(program: Program, z: Array, multipliers: Multipliers) -> Eval
     return values
 
 
-def _add_rates(program: Program, rho: Array, total: Array) -> None:
+def _rate_multipliers(program: Program, multipliers: Multipliers) -> Array:
+    """Return (P, nx): the multipliers of F at the evaluated points."""
+    places = program.incidence
+    weighted = (places.shares * multipliers.defects[:, :, None, :]).sum(axis=1)
+    size = len(program.point_state) * program.layout.nx
+    return summed(places.segment_entries, weighted.ravel(), size).reshape(-1, program.layout.nx)
+
+
+def _rate_slope(program: Program, rho: Array) -> float:
+    """Return what the rate rows' bounds take from the gradient with respect to the duration."""
     rows = program.rates
-    np.add.at(total, rows.positions, rho[:, None] * rows.weights)
-    if program.duration is None:
-        active = np.where(rho > 0, rows.upper, rows.lower)
-        bound = np.where(rho == 0, 0.0, active)
-        total[program.layout.globals] -= np.sum(rho * bound * rows.length)
+    active = np.where(rho > 0, rows.upper, rows.lower)
+    bound = np.where(rho == 0, 0.0, active)
+    return float(np.sum(rho * bound * rows.length))
 
 
 @dataclass(frozen=True)

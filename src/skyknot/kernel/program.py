@@ -25,6 +25,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from skyknot.kernel.incidence import Incidence
 from skyknot.kernel.layout import Layout
 
 Array = NDArray[np.float64]
@@ -141,38 +142,47 @@ class Program:
         """(x, q) → M at the program's parameters."""
         return _at(self.parametric_terminal, self.parameters)
 
+    @cached_property
+    def incidence(self) -> Incidence:
+        """Which entries of z the parts of the program read."""
+        return Incidence.of(self)
+
     @property
     def point_cost(self) -> Array:
         """(P,) cost weights c_j."""
-        weights = np.zeros(len(self.point_state))
-        np.add.at(weights, self.segment_points, self.segment_cost)
-        return weights
+        return self.incidence.point_cost
 
     def point_states(self, z: Array) -> Array:
         """Return (P, nx) states of the evaluated points."""
-        return z[self.layout.states_at(self.point_state)]
+        return z[self.incidence.point_states]
 
     def point_controls(self, z: Array) -> Array:
         """Return (P, nu) controls of the evaluated points."""
-        values = z[self.layout.controls_at(self.point_control)]
+        values = z[self.incidence.point_controls]
         result: Array = np.einsum("pm,pmu->pu", self.point_weights, values)
         return result
 
     def globals_of(self, z: Array) -> Array:
         """Return (nq,) globals."""
-        return z[self.layout.global_positions]
+        return z[self.incidence.globals]
 
     def duration_of(self, z: Array) -> float:
         """Return T, s."""
         return self.duration if self.duration is not None else float(z[self.layout.globals])
 
+    def with_numbers(self, **numbers: Array) -> Program:
+        """Return the same program with other bounds, start or parameters, by field."""
+        other = replace(self, **numbers)  # type: ignore[arg-type]
+        other.__dict__["incidence"] = self.incidence
+        return other
+
     def starting_at(self, z: Array) -> Program:
         """Return the same program with another start."""
-        return replace(self, start=z)
+        return self.with_numbers(start=z)
 
     def with_parameters(self, values: Array) -> Program:
         """Return the same program at other parameters, (np,)."""
-        return replace(self, parameters=values)
+        return self.with_numbers(parameters=values)
 
     def empty_multipliers(self) -> Multipliers:
         """Return zero multipliers of the right shapes."""

@@ -9,7 +9,7 @@ Duties of whoever adds a scheme:
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -137,8 +137,7 @@ class Transcription:
         problem : with its own ends, bounds and values of parameters
         """
         lower, upper = _bounds(self, problem, program.layout)
-        return replace(
-            program,
+        return program.with_numbers(
             lower=lower,
             upper=upper,
             parameters=parameter_values(problem),
