@@ -176,7 +176,7 @@ def _solved(
     problem, scheme, chosen = task.problem, task.scheme, task.solver
     result = chosen.solve(program, task.tolerance, multipliers, task.callback)
     watch.lap("solver")
-    recovered = recover(program, scheme.table.points, result.z, result.multipliers, result.values)
+    recovered = recover(program, scheme.table.points, result.z, result.multipliers)
     watch.lap("recovery")
     return Solution(
         status=result.status,

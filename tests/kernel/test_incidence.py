@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from agreement.variants import PROBLEMS, SCHEMES, program_of
+from skyknot.kernel.evaluation import complete_fixed, evaluate, gradient
 from skyknot.kernel.incidence import summed
 
 
@@ -27,3 +28,21 @@ def test_a_program_that_differs_in_numbers_only_keeps_its_incidence():
 def test_cost_weights_of_points_sum_to_the_horizon(scheme):
     program = program_of(PROBLEMS["plain"], SCHEMES[scheme])
     assert np.isclose(program.point_cost.sum(), 1.0)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("problem", ["everything", "free horizon"])
+def test_multipliers_of_fixed_unknowns_are_those_of_all_points(problem, scheme):
+    """Evaluated where a fixed unknown is read only, they are the same to the bit."""
+    program = program_of(PROBLEMS[problem], SCHEMES[scheme])
+    random = np.random.default_rng(7)
+    m = program.empty_multipliers()
+    for values in (m.defects, m.path, m.rates, m.bounds):
+        values[...] = random.normal(size=values.shape)
+    fixed = program.lower == program.upper
+    assert fixed.any()
+    complete_fixed(program, program.start, m)
+    completed = m.bounds[fixed].copy()
+    m.bounds[fixed] = 0.0
+    whole = gradient(program, evaluate(program, program.start), m)
+    np.testing.assert_array_equal(completed, -whole[fixed])

@@ -18,6 +18,7 @@ from skyknot.kernel.program import Multipliers, Program
 from skyknot.kernel.tape import Tape
 
 Array = NDArray[np.float64]
+Offsets = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -51,19 +52,20 @@ def first_order(point: ca.Function) -> Tape:
     return Tape(ca.Function("first_order", inputs, ca.cse([*values, *jacobians])))
 
 
-def evaluate(program: Program, z: Array) -> Evaluation:
-    """Return values and first derivatives of the program at z."""
+def evaluate(program: Program, z: Array, points: Offsets | None = None) -> Evaluation:
+    """Return values and first derivatives of the program at z.
+
+    Parameters
+    ----------
+    points : which of the evaluated points are asked for, in order; all of them unless told
+    """
     nx, nu, nq, ng = program.sizes
-    P, ny = len(program.point_state), nx + nu + nq
-    q, p = program.globals_of(z), program.parameters
+    ny, q, p = nx + nu + nq, program.globals_of(z), program.parameters
+    at = slice(None) if points is None else points
+    x, u, tau = program.point_states(z, at), program.point_controls(z, at), program.point_time[at]
+    P = len(x)
     L, F, g, JL, JF, Jg = first_order(program.parametric_point).evaluate(
-        [
-            program.point_states(z),
-            program.point_controls(z),
-            np.broadcast_to(q, (P, nq)),
-            program.point_time[:, None],
-            np.broadcast_to(p, (P, len(p))),
-        ]
+        [x, u, _repeated(q, P), tau[:, None], _repeated(p, P)]
     )
     x_end = z[program.incidence.last]
     M, JM = _terminal(program.parametric_terminal).evaluate([x_end[None], q[None], p[None]])
@@ -77,6 +79,13 @@ def evaluate(program: Program, z: Array) -> Evaluation:
         M=float(M[0, 0]),
         JM=JM[0],
     )
+
+
+def _repeated(values: Array, count: int) -> Array:
+    """Return (count, n) copies of values (n,)."""
+    result = np.empty((count, len(values)))
+    result[:] = values
+    return result
 
 
 @lru_cache(maxsize=32)
@@ -114,39 +123,37 @@ def rate_values(program: Program, z: Array) -> tuple[Array, Array, Array]:
 # A NaN of the model is a result with a status, told by the solver; it needs no warning here.
 @np.errstate(invalid="ignore", over="ignore")
 def gradient(
-    program: Program, values: Evaluation, multipliers: Multipliers, with_defects: bool = True
+    program: Program,
+    values: Evaluation,
+    multipliers: Multipliers,
+    with_defects: bool = True,
+    points: Offsets | None = None,
 ) -> Array:
-    """Return the (size,) gradient of the Lagrangian; bounds' multipliers included."""
-    places, rows = program.incidence, program.rates
+    """Return the (size,) gradient of the Lagrangian; bounds' multipliers included.
+
+    Parameters
+    ----------
+    points : which of the evaluated points ``values`` are of, all of them unless told; what no
+        other point reads is right
+    """
+    places, at = program.incidence, slice(None) if points is None else points
     nx, nu, _, _ = program.sizes
-    per_point = program.point_cost[:, None] * values.JL
-    per_point += (multipliers.path[:, None, :] @ values.Jg)[:, 0]
+    per_point = program.point_cost[at, None] * values.JL
+    per_point += (multipliers.path[at][:, None, :] @ values.Jg)[:, 0]
     states = np.zeros(places.states.shape)
     if with_defects:
-        per_point += (_rate_multipliers(program, multipliers)[:, None, :] @ values.JF)[:, 0]
+        per_point += (_rate_multipliers(program, multipliers)[at][:, None, :] @ values.JF)[:, 0]
         states = np.einsum("ij,kix->kjx", program.C, multipliers.defects)
-    controls = program.point_weights[:, :, None] * per_point[:, None, nx : nx + nu]
-    rates = multipliers.rates[:, None] * rows.weights
+    controls = program.point_weights[at][:, :, None] * per_point[:, None, nx : nx + nu]
+    rates = multipliers.rates[:, None] * program.rates.weights
     parts = joined(multipliers.bounds, states, per_point[:, :nx], controls, rates)
-    total = summed(places.gradient_entries, parts, program.layout.size)
+    total = summed(places.gradient_entries(points), parts, program.layout.size)
     total[places.globals] += per_point[:, nx + nu :].sum(axis=0)
     total[places.last] += values.JM[:nx]
     total[places.globals] += values.JM[nx:]
     if program.duration is None:
         total[program.layout.globals] -= _rate_slope(program, multipliers.rates)
     return total
-
-
-def complete_fixed(program: Program, z: Array, multipliers: Multipliers) -> Evaluation:
-    """Set the bound multipliers of fixed unknowns, in place, from stationarity.
-
-    Returns the evaluation at z, for whoever goes on with it.
-    """
-    fixed, values = program.lower == program.upper, evaluate(program, z)
-    multipliers.bounds[fixed] = 0.0
-    missing = gradient(program, values, multipliers)
-    multipliers.bounds[fixed] = -missing[fixed]
-    return values
 
 
 def _rate_multipliers(program: Program, multipliers: Multipliers) -> Array:
@@ -163,6 +170,19 @@ def _rate_slope(program: Program, rho: Array) -> float:
     active = np.where(rho > 0, rows.upper, rows.lower)
     bound = np.where(rho == 0, 0.0, active)
     return float(np.sum(rho * bound * rows.length))
+
+
+def complete_fixed(program: Program, z: Array, multipliers: Multipliers) -> None:
+    """Set the bound multipliers of fixed unknowns, in place, from stationarity.
+
+    Only the points that read a fixed unknown are evaluated: mostly the two ends.
+    """
+    fixed = program.lower == program.upper
+    points = program.incidence.reading(fixed)
+    multipliers.bounds[fixed] = 0.0
+    values = evaluate(program, z, points)
+    missing = gradient(program, values, multipliers, points=points)
+    multipliers.bounds[fixed] = -missing[fixed]
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ Legend: as in program.py.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -29,10 +30,10 @@ class Incidence:
     last : (nx,) of the last state, globals : (nq,)
     point_states : (P, nx), point_controls : (P, m, nu) what the evaluated points read
     segment_entries : (N · s_used · nx,) where segments read a (P, nx) array, flattened
-    gradient_entries : where the gradient's parts stand: size bounds, then the entries of states,
-        point_states, point_controls and rate rows
+    rates : (R, w) of the rate rows
     point_cost : (P,) cost weights c_j
     shares : (N, s−1, s_used, 1) weights δ_k A_ij
+    own : (size,) each entry's own position
     """
 
     states: Offsets
@@ -42,7 +43,8 @@ class Incidence:
     point_states: Offsets
     point_controls: Offsets
     segment_entries: Offsets
-    gradient_entries: Offsets
+    rates: Offsets
+    own: Offsets
     point_cost: Array
     shares: Array
 
@@ -52,23 +54,46 @@ class Incidence:
         layout = program.layout
         cost = np.zeros(len(program.point_state))
         np.add.at(cost, program.segment_points, program.segment_cost)
-        states, controls = layout.states_at(layout.state), layout.controls_at(layout.control)
-        point_states = layout.states_at(program.point_state)
-        point_controls = layout.controls_at(program.point_control)
-        read = (states, point_states, point_controls, program.rates.positions)
+        states = layout.states_at(layout.state)
         entries = program.segment_points[..., None] * layout.nx + np.arange(layout.nx)
         return cls(
             states=states,
-            controls=controls,
+            controls=layout.controls_at(layout.control),
             last=states[-1, -1],
             globals=layout.global_positions,
-            point_states=point_states,
-            point_controls=point_controls,
+            point_states=layout.states_at(program.point_state),
+            point_controls=layout.controls_at(program.point_control),
+            rates=program.rates.positions,
+            own=np.arange(layout.size),
             segment_entries=entries.ravel(),
-            gradient_entries=joined(np.arange(layout.size), *read),
             point_cost=cost,
             shares=program.fractions[:, None, None, None] * program.A[..., None],
         )
+
+    def gradient_entries(self, points: Offsets | None = None) -> Offsets:
+        """Return where the parts of a gradient stand in z.
+
+        All of z, the segments' states, states and controls of the evaluated points (all of them,
+        or some), rate rows.
+        """
+        return self._all_entries if points is None else self._entries(points)
+
+    @cached_property
+    def _all_entries(self) -> Offsets:
+        return self._entries(slice(None))
+
+    def _entries(self, points: Offsets | slice) -> Offsets:
+        read = self.point_states[points], self.point_controls[points]
+        return joined(self.own, self.states, *read, self.rates)
+
+    def reading(self, entries: NDArray[np.bool_]) -> Offsets:
+        """Return the evaluated points that read one of the entries of z, in order."""
+        P = len(self.point_states)
+        if entries[self.globals].any():
+            return np.arange(P)
+        read = entries[self.point_states].any(axis=1)
+        read |= entries[self.point_controls.reshape(P, -1)].any(axis=1)
+        return np.flatnonzero(read)
 
 
 def joined(*parts: NDArray[T]) -> NDArray[T]:

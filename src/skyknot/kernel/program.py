@@ -31,6 +31,8 @@ from skyknot.kernel.layout import Layout
 Array = NDArray[np.float64]
 Offsets = NDArray[np.intp]
 
+ALL = slice(None)
+
 
 @dataclass(frozen=True)
 class RateRows:
@@ -152,14 +154,14 @@ class Program:
         """(P,) cost weights c_j."""
         return self.incidence.point_cost
 
-    def point_states(self, z: Array) -> Array:
-        """Return (P, nx) states of the evaluated points."""
-        return z[self.incidence.point_states]
+    def point_states(self, z: Array, points: Offsets | slice = ALL) -> Array:
+        """Return (P, nx) states of the evaluated points, or of some of them."""
+        return z[self.incidence.point_states[points]]
 
-    def point_controls(self, z: Array) -> Array:
-        """Return (P, nu) controls of the evaluated points."""
-        values = z[self.incidence.point_controls]
-        result: Array = np.einsum("pm,pmu->pu", self.point_weights, values)
+    def point_controls(self, z: Array, points: Offsets | slice = ALL) -> Array:
+        """Return (P, nu) controls of the evaluated points, or of some of them."""
+        values = z[self.incidence.point_controls[points]]
+        result: Array = np.einsum("pm,pmu->pu", self.point_weights[points], values)
         return result
 
     def globals_of(self, z: Array) -> Array:

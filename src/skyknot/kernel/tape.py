@@ -80,6 +80,8 @@ class Tape:
         self.function = function
         self.input_offsets = _offsets([function.nnz_in(i) for i in range(function.n_in())])
         self.output_offsets = _offsets([function.nnz_out(i) for i in range(function.n_out())])
+        self._inputs = list(pairwise(self.input_offsets.tolist()))
+        self._outputs = list(pairwise(self.output_offsets.tolist()))
         listing = _read(function, self.input_offsets, self.output_offsets)
         codes = module.operation_codes()
         self.native = module.Tape(
@@ -107,14 +109,14 @@ class Tape:
             If the arrays do not fit the function's inputs or disagree on P.
         """
         arrays = [np.asarray(value, dtype=np.float64) for value in inputs]
-        sizes = np.diff(self.input_offsets)
-        if [array.shape[1:] for array in arrays] != [(size,) for size in sizes]:
-            shapes = [array.shape for array in arrays]
-            raise ValueError(f"inputs of shapes (P, {sizes.tolist()}) expected, found {shapes}")
-        packed = np.ascontiguousarray(np.hstack(arrays))
-        results = np.empty((len(packed), self.output_offsets[-1]))
+        points = len(arrays[0]) if arrays and arrays[0].ndim else 0
+        if [array.shape for array in arrays] != [(points, b - a) for a, b in self._inputs]:
+            sizes, shapes = [b - a for a, b in self._inputs], [array.shape for array in arrays]
+            raise ValueError(f"inputs of shapes (P, {sizes}) expected, found {shapes}")
+        packed = np.concatenate(arrays, axis=1)
+        results = np.empty((points, self._outputs[-1][1]))
         self.native.evaluate_points(packed, results)
-        return [results[:, a:b] for a, b in pairwise(self.output_offsets)]
+        return [results[:, a:b] for a, b in self._outputs]
 
 
 class _Listing(NamedTuple):

@@ -19,7 +19,6 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from skyknot.kernel.evaluation import Evaluation
 from skyknot.kernel.program import Multipliers, Program
 from skyknot.status import Status
 
@@ -68,7 +67,6 @@ class SolverResult:
     detail : names the variable or constraint at fault; empty on success
     gains : feedback gains, (N, nu, nx) of held controls, (N+1, nu, nx) at the nodes of others
     barrier : last barrier parameter, for warm starts
-    values : evaluation of the program at z, where the solver has it
     """
 
     z: Array
@@ -80,7 +78,6 @@ class SolverResult:
     detail: str = ""
     gains: Array | None = None
     barrier: float = 0.0
-    values: Evaluation | None = None
 
 
 class Solver(Protocol):

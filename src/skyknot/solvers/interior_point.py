@@ -130,7 +130,7 @@ class Prepared:
         status = _OUTCOMES[raw["outcome"]]
         z = self.rows.unknowns(raw)
         multipliers = self.rows.multipliers(raw)
-        values = complete_fixed(self.program, z, multipliers)
+        complete_fixed(self.program, z, multipliers)
         if not status.success and undefined_value(self.program, z):
             status = Status.EVALUATION_ERROR
         counts = ("factorisations", "solves", "value_runs", "full_runs", "restorations")
@@ -144,7 +144,6 @@ class Prepared:
             detail="" if status.success else worst_violation(self.program, z),
             gains=self.rows.gains(raw["gains"]),
             barrier=float(raw["barrier"]),
-            values=values,
         )
 
 

@@ -135,21 +135,14 @@ class Recovered:
     globals: dict[str, float]
 
 
-def recover(
-    program: Program,
-    points: Array,
-    z: Array,
-    multipliers: Multipliers,
-    values: Evaluation | None = None,
-) -> Recovered:
+def recover(program: Program, points: Array, z: Array, multipliers: Multipliers) -> Recovered:
     """Return what z and its multipliers mean.
 
     Parameters
     ----------
     points : (s,) state points of the scheme
-    values : evaluation of the program at z, where it is at hand
     """
-    values = evaluate(program, z) if values is None else values
+    values = evaluate(program, z)
     q = program.globals_of(z)
     return Recovered(
         trajectory=trajectory(program, points, z, values),
