@@ -111,6 +111,10 @@ class Rows:
         if program.shared:
             rows = slice((s - 1) * nx, (s - 1) * nx + nu)
             self.positions[rows, N] = layout.controls_at(layout.control[-1, -1:])[0]
+        self.here = self.positions >= 0
+        self._absent = None if self.here.all() else ~self.here
+        self._source = np.empty(layout.globals, dtype=np.intp)
+        self._source[self.positions[self.here]] = np.flatnonzero(self.here)
         self.scale = np.concatenate([np.tile(self.S_x, s - 1), np.tile(self.S_u, own)])
         n_used = len(program.used)
         self.classes = [program.segment_points[:, c] for c in range(n_used - program.shared)]
@@ -120,11 +124,15 @@ class Rows:
         self.path_scale = np.ones(ng)
         self.objective_scale = 1.0
         self.path_columns: list[list[int]] = []
+        self._limits: _Limits | None = None
+        self._constants = self._unchanging()
 
     def at(self, program: Program) -> Rows:
         """Return the rows of a program that differs in numbers only; see Prepared."""
         other = copy.copy(self)
         other.program = program
+        if program.lower is not self.program.lower or program.upper is not self.program.upper:
+            other._limits = None
         return other
 
     def structure(self, patterns: dict[str, list[int]]) -> dict[str, Any]:
@@ -147,56 +155,62 @@ class Rows:
 
     def to_rows(self, z: Array, fill: float = 0.0) -> Array:
         """Return (rows, N+1) entries of a vector like z; ``fill`` where a row has no entry."""
-        return np.where(self.positions >= 0, z[self.positions], fill)
+        rows: Array = z[self.positions]
+        if self._absent is not None:
+            rows[self._absent] = fill
+        return rows
+
+    def from_rows(self, rows: Array, at_globals: Array) -> Array:
+        """Return a vector like z of its entries in rows, (rows, N+1), and its globals, (nq,)."""
+        return np.concatenate([rows.ravel()[self._source], at_globals])
+
+    @property
+    def limits(self) -> _Limits:
+        """Bounds of the program in rows; kept, since most solves ask again with the same."""
+        if self._limits is None:
+            self._limits = _Limits(self)
+        return self._limits
+
+    @property
+    def pins(self) -> Offsets:
+        """(n, 2) rows and columns of fixed unknowns but for those of the first state."""
+        return self.limits.pins
 
     def data(self, z: Array) -> dict[str, Any]:
         """Return bounds, start and scales for the native solve."""
-        program, layout = self.program, self.program.layout
-        scale = self.scale[:, None]
-        lower = self.to_rows(program.lower, -np.inf) / scale
-        upper = self.to_rows(program.upper, np.inf) / scale
-        pinned = (lower == upper) & (self.positions >= 0)
-        nx = layout.nx
-        fixed_first = pinned[:nx, 0].copy()
-        lower[pinned], upper[pinned] = -np.inf, np.inf
-        pinned[:nx, 0] = False
-        self.pins = np.argwhere(pinned)
-        self.fixed_first = fixed_first
-        q = layout.global_positions
-        cost = program.point_cost * self.objective_scale
-        path = self._relaxed_path_bounds(z)
-        bounds = [
-            [
-                np.ascontiguousarray(side[points].T / self.path_scale[:, None])
-                for points in self.classes
-            ]
-            for side in path
-        ]
+        path_lower, path_upper = self._relaxed_path_bounds(z)
         return {
-            "z": self.to_rows(z) / scale,
-            "lower": lower,
-            "upper": upper,
-            "scale": np.repeat(scale, self.N + 1, axis=1),
-            "q": (z[q] / self.S_q).tolist(),
-            "q_lower": (program.lower[q] / self.S_q).tolist(),
-            "q_upper": (program.upper[q] / self.S_q).tolist(),
+            **self._constants,
+            **self.limits.data,
+            "z": self.to_rows(z) / self.scale[:, None],
+            "q": (z[self.program.incidence.globals] / self.S_q).tolist(),
+            "parameters": self.program.parameters.tolist(),
+            "path_lower": self._path_tables(path_lower),
+            "path_upper": self._path_tables(path_upper),
+        }
+
+    def _unchanging(self) -> dict[str, Any]:
+        """Return what the native solve is told whatever the numbers of the program."""
+        program = self.program
+        cost = program.point_cost * self.objective_scale
+        return {
+            "scale": np.repeat(self.scale[:, None], self.N + 1, axis=1),
             "q_scale": self.S_q.tolist(),
-            "parameters": program.parameters.tolist(),
             "defect_scale": self.S_x.tolist(),
             "objective_scale": self.objective_scale,
             "length": np.vstack([program.fractions, self.rates.coefficients(self.S_q)]),
             "time": [np.ascontiguousarray(program.point_time[None, p]) for p in self.classes],
             "cost": [np.ascontiguousarray(cost[None, p]) for p in self.classes],
-            "path_lower": bounds[0],
-            "path_upper": bounds[1],
             "path_unscale": self.path_scale.tolist(),
             "rate_lower": self.rates.lower,
             "rate_upper": self.rates.upper,
             "rate_unscale": self.rates.scale.tolist(),
-            "pin_row": self.pins[:, 0].tolist(),
-            "pin_k": self.pins[:, 1].tolist(),
-            "fixed_first": fixed_first.astype(int).tolist(),
         }
+
+    def _path_tables(self, bounds: Array) -> list[Array]:
+        """Return (ng, n) tables, one for each class of points, of (P, ng) bounds."""
+        scale = self.path_scale[:, None]
+        return [np.ascontiguousarray(bounds[points].T / scale) for points in self.classes]
 
     def _relaxed_path_bounds(self, z: Array) -> tuple[Array, Array]:
         """Return (P, ng) path bounds as the barrier can meet them.
@@ -207,13 +221,16 @@ class Rows:
         """
         program = self.program
         lower, upper = program.path_lower.copy(), program.path_upper.copy()
+        if not self.path_columns:
+            return lower, upper
         loose = lower < upper
         lower[loose] -= RELAXATION * np.maximum(1.0, np.abs(lower[loose]))
         upper[loose] += RELAXATION * np.maximum(1.0, np.abs(upper[loose]))
-        fixed = (program.lower == program.upper)[program.layout.states_at(program.point_state)]
+        fixed = (program.lower == program.upper)[program.incidence.point_states]
         nx = program.layout.nx
-        for point in np.flatnonzero(fixed.all(axis=1)) if self.path_columns else ():
-            x, u = program.point_states(z)[point], program.point_controls(z)[point]
+        for point in np.flatnonzero(fixed.all(axis=1)):
+            here = slice(point, point + 1)
+            x, u = program.point_states(z, here)[0], program.point_controls(z, here)[0]
             q, tau = program.globals_of(z), program.point_time[point]
             g = program.parametric_point(x, u, q, tau, program.parameters)[2]
             for row, columns in enumerate(self.path_columns):
@@ -225,28 +242,27 @@ class Rows:
 
     def unknowns(self, result: dict[str, Any]) -> Array:
         """Return z of a native result."""
-        z = self.program.start.copy()
-        here = self.positions >= 0
-        z[self.positions[here]] = (result["z"] * self.scale[:, None])[here]
-        z[self.program.layout.global_positions] = np.asarray(result["q"]) * self.S_q
-        return np.clip(z, self.program.lower, self.program.upper)
+        q = np.asarray(result["q"]) * self.S_q
+        z = self.from_rows(result["z"] * self.scale[:, None], q)
+        return z.clip(self.program.lower, self.program.upper)
 
     def multipliers(self, result: dict[str, Any]) -> Multipliers:
         """Return the multipliers of a native result, unscaled."""
         program, sigma = self.program, self.objective_scale
-        nx = program.layout.nx
-        m = program.empty_multipliers()
-        rows = result["lambda"].reshape(len(program.C), nx, self.N)
-        m.defects[:] = rows.transpose(2, 0, 1) / (sigma * self.S_x)
-        here = self.positions >= 0
+        rows = result["lambda"].reshape(len(program.C), program.layout.nx, self.N)
         bounds = (result["zu"] - result["zl"]) / (sigma * self.scale[:, None])
-        m.bounds[self.positions[here]] = bounds[here]
         q = np.asarray(result["q_zu"]) - np.asarray(result["q_zl"])
-        m.bounds[program.layout.global_positions] = q / (sigma * self.S_q)
+        path = np.zeros(program.path_lower.shape)
         for points, y in zip(self.classes, result["y"][:-1], strict=True):
-            m.path[points] = y.T / (sigma * self.path_scale)
-        self.rates.add_multipliers(result["y"][-1] / sigma, m.rates)
-        return m
+            path[points] = y.T / (sigma * self.path_scale)
+        rates = np.zeros(len(program.rates.length))
+        self.rates.add_multipliers(result["y"][-1] / sigma, rates)
+        return Multipliers(
+            defects=np.ascontiguousarray(rows.transpose(2, 0, 1)) / (sigma * self.S_x),
+            path=path,
+            rates=rates,
+            bounds=self.from_rows(bounds, q / (sigma * self.S_q)),
+        )
 
     def gains(self, gains: list[float]) -> Array | None:
         """Return native gains unscaled, (N, nu, nx), with shared controls (N+1, nu, nx).
@@ -267,25 +283,52 @@ class Rows:
         """Return multipliers as the native solve wants them."""
         sigma, program = self.objective_scale, self.program
         bounds = self.to_rows(m.bounds) * sigma * self.scale[:, None]
-        lower, upper = self.to_rows(program.lower, -np.inf), self.to_rows(program.upper, np.inf)
-        free = lower != upper
-        q = m.bounds[program.layout.global_positions] * sigma * self.S_q
-        least = 1e-8
-        pins = [float(bounds[row, k]) for row, k in self.pins]
+        limits, least = self.limits, 1e-8
+        q = m.bounds[program.incidence.globals] * sigma * self.S_q
         return {
             "lambda": np.ascontiguousarray(
                 (m.defects * sigma * self.S_x).transpose(1, 2, 0).reshape(-1, self.N)
             ),
-            "zl": np.where(free & np.isfinite(lower), np.maximum(-bounds, least), 0.0),
-            "zu": np.where(free & np.isfinite(upper), np.maximum(bounds, least), 0.0),
+            "zl": np.where(np.isfinite(limits.data["lower"]), np.maximum(-bounds, least), 0.0),
+            "zu": np.where(np.isfinite(limits.data["upper"]), np.maximum(bounds, least), 0.0),
             "q_zl": np.maximum(-q, least).tolist(),
             "q_zu": np.maximum(q, least).tolist(),
-            "pin_multipliers": pins,
+            "pin_multipliers": bounds[tuple(limits.pins.T)].tolist(),
             "y": [
                 np.ascontiguousarray((m.path[points] * sigma * self.path_scale).T)
                 for points in self.classes
             ]
             + [self.rates.take_multipliers(m.rates) * sigma],
+        }
+
+
+class _Limits:
+    """Bounds of a program in scaled rows; fixed unknowns are told apart.
+
+    Attributes
+    ----------
+    pins : (n, 2) rows and columns of fixed unknowns but for those of the first state
+    data : entries for the native solve
+    """
+
+    def __init__(self, rows: Rows) -> None:
+        program, scale, nx = rows.program, rows.scale[:, None], rows.program.layout.nx
+        lower = rows.to_rows(program.lower, -np.inf) / scale
+        upper = rows.to_rows(program.upper, np.inf) / scale
+        pinned = (lower == upper) & rows.here
+        lower[pinned], upper[pinned] = -np.inf, np.inf
+        fixed_first = pinned[:nx, 0].astype(int).tolist()
+        pinned[:nx, 0] = False
+        self.pins = np.argwhere(pinned)
+        q = program.incidence.globals
+        self.data: dict[str, Any] = {
+            "lower": lower,
+            "upper": upper,
+            "q_lower": (program.lower[q] / rows.S_q).tolist(),
+            "q_upper": (program.upper[q] / rows.S_q).tolist(),
+            "pin_row": self.pins[:, 0].tolist(),
+            "pin_k": self.pins[:, 1].tolist(),
+            "fixed_first": fixed_first,
         }
 
 
