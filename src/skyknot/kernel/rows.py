@@ -264,14 +264,15 @@ class Rows:
             bounds=self.from_rows(bounds, q / (sigma * self.S_q)),
         )
 
-    def gains(self, gains: list[float]) -> Array | None:
-        """Return native gains unscaled, (N, nu, nx), with shared controls (N+1, nu, nx).
+    def gains(self, gains: Array) -> Array | None:
+        """Return native gains, (N or none, nu · nx), unscaled: (N, nu, nx), or None.
 
-        Nothing lies ahead of the last node: its gains continue those before.
+        With shared controls (N+1, nu, nx): nothing lies ahead of the last node, whose gains
+        continue those before.
         """
-        if not gains:
+        if not len(gains):
             return None
-        K: Array = np.asarray(gains).reshape(self.N, len(self.S_u), len(self.S_x))
+        K: Array = gains.reshape(self.N, len(self.S_u), len(self.S_x))
         K = K * self.S_u[:, None] / self.S_x
         if not self.program.shared:
             return K

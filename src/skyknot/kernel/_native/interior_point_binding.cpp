@@ -140,6 +140,15 @@ void load_multipliers(InteriorPoint& solver, const Structure& S, const nb::dict&
 
 namespace {
 
+// One row of gains a segment: nu rows of nx each.
+Written gains_of(InteriorPoint& solver, const Structure& S, int segments) {
+    const int size = S.nu * S.nx;
+    auto* memory = new double[at(std::max(1, segments * size))];
+    for (int k = 0; k < segments; ++k) solver.newton.gains(k, memory + k * size);
+    const nb::capsule owner(memory, [](void* p) noexcept { delete[] static_cast<double*>(p); });
+    return Written(memory, {at(segments), at(size)}, owner);
+}
+
 nb::dict result_of(InteriorPoint& solver, const Structure& S, Outcome outcome) {
     nb::dict r;
     r["outcome"] = static_cast<int>(outcome);
@@ -164,10 +173,7 @@ nb::dict result_of(InteriorPoint& solver, const Structure& S, Outcome outcome) {
         history.push_back({h.objective, h.primal, h.dual, h.barrier, h.step, h.regularisation});
     r["history"] = history;
     const bool solved = outcome == Outcome::solved || outcome == Outcome::acceptable;
-    std::vector<double> gains(at(solved && solver.factor_here() ? S.N * S.nu * S.nx : 0));
-    for (int k = 0; k < S.N && !gains.empty(); ++k)
-        solver.newton.gains(k, gains.data() + k * S.nu * S.nx);
-    r["gains"] = gains;
+    r["gains"] = gains_of(solver, S, solved && solver.factor_here() ? S.N : 0);
     return r;
 }
 
