@@ -315,8 +315,7 @@ def _is_of(program: Any, guess: Solution) -> bool:
 
 
 def _history(result: SolverResult) -> Array:
-    rows = [[getattr(record, name) for name in HISTORY] for record in result.history]
-    return np.array(rows, dtype=float).reshape(-1, len(HISTORY))
+    return np.array(result.history, dtype=float).reshape(-1, len(HISTORY))
 
 
 def _versions() -> dict[str, str]:

@@ -159,7 +159,8 @@ def gradient(
 def _rate_multipliers(program: Program, multipliers: Multipliers) -> Array:
     """Return (P, nx): the multipliers of F at the evaluated points."""
     places = program.incidence
-    weighted = (places.shares * multipliers.defects[:, :, None, :]).sum(axis=1)
+    by_row = np.ascontiguousarray(multipliers.defects.swapaxes(0, 1))
+    weighted = (places.shares * by_row[:, :, None, :]).sum(axis=0)
     size = len(program.point_state) * program.layout.nx
     return summed(places.segment_entries, weighted.ravel(), size).reshape(-1, program.layout.nx)
 

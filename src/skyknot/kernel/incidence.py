@@ -32,7 +32,7 @@ class Incidence:
     segment_entries : (N · s_used · nx,) where segments read a (P, nx) array, flattened
     rates : (R, w) of the rate rows
     point_cost : (P,) cost weights c_j
-    shares : (N, s−1, s_used, 1) weights δ_k A_ij
+    shares : (s−1, N, s_used, 1) weights δ_k A_ij
     own : (size,) each entry's own position
     """
 
@@ -67,7 +67,7 @@ class Incidence:
             own=np.arange(layout.size),
             segment_entries=entries.ravel(),
             point_cost=cost,
-            shares=program.fractions[:, None, None, None] * program.A[..., None],
+            shares=program.fractions[:, None, None] * program.A[:, None, :, None],
         )
 
     def gradient_entries(self, points: Offsets | None = None) -> Offsets:
