@@ -7,7 +7,7 @@ import pytest
 
 from agreement.variants import PROBLEMS, SCHEMES, program_of
 from skyknot.kernel.evaluation import complete_fixed, evaluate, gradient
-from skyknot.kernel.incidence import summed
+from skyknot.kernel.incidence import MOST_PARTS, summed
 
 
 def test_sums_are_those_of_one_addend_after_the_other_to_the_bit():
@@ -46,3 +46,14 @@ def test_multipliers_of_fixed_unknowns_are_those_of_all_points(problem, scheme):
     m.bounds[fixed] = 0.0
     whole = gradient(program, evaluate(program, program.start), m)
     np.testing.assert_array_equal(completed, -whole[fixed])
+
+
+def test_parts_that_are_kept_are_few_and_those_of_their_own_mask():
+    incidence = program_of(PROBLEMS["plain"], SCHEMES["hermite-simpson"]).incidence
+    for i in range(3 * MOST_PARTS):
+        mask = np.zeros(incidence.size, dtype=bool)
+        mask[i] = True
+        part = incidence.reading(mask)
+        np.testing.assert_array_equal(part.entries, [i])
+        assert incidence.reading(mask) is part
+        assert len(incidence._parts) <= MOST_PARTS

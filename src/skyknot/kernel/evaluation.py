@@ -13,12 +13,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from skyknot.kernel.incidence import joined, summed
-from skyknot.kernel.program import Multipliers, Program
+from skyknot.kernel.incidence import Chosen, Part, joined, summed
+from skyknot.kernel.program import ALL, Multipliers, Program
 from skyknot.kernel.tape import Tape
 
 Array = NDArray[np.float64]
-Offsets = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -52,7 +51,7 @@ def first_order(point: ca.Function) -> Tape:
     return Tape(ca.Function("first_order", inputs, ca.cse([*values, *jacobians])))
 
 
-def evaluate(program: Program, z: Array, points: Offsets | None = None) -> Evaluation:
+def evaluate(program: Program, z: Array, points: Chosen = ALL) -> Evaluation:
     """Return values and first derivatives of the program at z.
 
     Parameters
@@ -61,9 +60,8 @@ def evaluate(program: Program, z: Array, points: Offsets | None = None) -> Evalu
     """
     nx, nu, nq, ng = program.sizes
     ny, q, p = nx + nu + nq, program.globals_of(z), program.parameters
-    at = slice(None) if points is None else points
-    x, u, tau = program.point_states(z, at), program.point_controls(z, at), program.point_time[at]
-    P = len(x)
+    x, u = program.point_states(z, points), program.point_controls(z, points)
+    P, tau = len(x), program.point_time[points]
     L, F, g, JL, JF, Jg = first_order(program.parametric_point).evaluate(
         [x, u, _repeated(q, P), tau[:, None], _repeated(p, P)]
     )
@@ -127,50 +125,35 @@ def gradient(
     values: Evaluation,
     multipliers: Multipliers,
     with_defects: bool = True,
-    points: Offsets | None = None,
+    part: Part | None = None,
 ) -> Array:
-    """Return the (size,) gradient of the Lagrangian; bounds' multipliers included.
+    """Return the gradient of the Lagrangian; bounds' multipliers included.
 
     Parameters
     ----------
-    points : which of the evaluated points ``values`` are of, all of them unless told; what no
-        other point reads is right
+    values : at the points of the part
+    part : what the gradient is asked for with respect to, (size,) all of z unless told
     """
-    places, at = program.incidence, slice(None) if points is None else points
+    part = program.incidence.whole if part is None else part
     nx, nu, _, _ = program.sizes
-    per_point = program.point_cost[at, None] * values.JL
-    per_point += (multipliers.path[at][:, None, :] @ values.Jg)[:, 0]
-    states = np.zeros(places.states.shape)
+    m, defects = multipliers, multipliers.defects[part.segments]
+    per_point = program.point_cost[part.points, None] * values.JL
+    per_point += (m.path[part.points, None, :] @ values.Jg)[:, 0]
+    states = np.zeros((len(defects), program.C.shape[1], nx))
     if with_defects:
-        per_point += (_rate_multipliers(program, multipliers)[at][:, None, :] @ values.JF)[:, 0]
-        states = np.einsum("ij,kix->kjx", program.C, multipliers.defects)
-    controls = program.point_weights[at][:, :, None] * per_point[:, None, nx : nx + nu]
-    rates = multipliers.rates[:, None] * program.rates.weights
-    parts = joined(multipliers.bounds, states, per_point[:, :nx], controls, rates)
-    total = summed(places.gradient_entries(points), parts, program.layout.size)
-    total[places.globals] += per_point[:, nx + nu :].sum(axis=0)
-    total[places.last] += values.JM[:nx]
-    total[places.globals] += values.JM[nx:]
+        per_point += (_rate_multipliers(part, defects, len(per_point))[:, None] @ values.JF)[:, 0]
+        states = np.einsum("ij,kix->kjx", program.C, defects)
+    controls = program.point_weights[part.points, :, None] * per_point[:, None, nx : nx + nu]
+    rates = m.rates[part.rows, None] * program.rates.weights[part.rows]
+    slopes = joined(m.bounds[part.entries], states, per_point[:, :nx], controls, rates)
+    total = summed(part.places, slopes, part.size)
+    # the last place may be that of several entries nobody asks for: it keeps one of them
+    total[part.globals] += per_point[:, nx + nu :].sum(axis=0)
+    total[part.last] += values.JM[:nx]
+    total[part.globals] += values.JM[nx:]
     if program.duration is None:
-        total[program.layout.globals] -= _rate_slope(program, multipliers.rates)
+        total[part.globals[0]] -= _rate_slope(program, m.rates)
     return total
-
-
-def _rate_multipliers(program: Program, multipliers: Multipliers) -> Array:
-    """Return (P, nx): the multipliers of F at the evaluated points."""
-    places = program.incidence
-    by_row = np.ascontiguousarray(multipliers.defects.swapaxes(0, 1))
-    weighted = (places.shares * by_row[:, :, None, :]).sum(axis=0)
-    size = len(program.point_state) * program.layout.nx
-    return summed(places.segment_entries, weighted.ravel(), size).reshape(-1, program.layout.nx)
-
-
-def _rate_slope(program: Program, rho: Array) -> float:
-    """Return what the rate rows' bounds take from the gradient with respect to the duration."""
-    rows = program.rates
-    active = np.where(rho > 0, rows.upper, rows.lower)
-    bound = np.where(rho == 0, 0.0, active)
-    return float(np.sum(rho * bound * rows.length))
 
 
 def complete_fixed(program: Program, z: Array, multipliers: Multipliers) -> None:
@@ -179,11 +162,28 @@ def complete_fixed(program: Program, z: Array, multipliers: Multipliers) -> None
     Only the points that read a fixed unknown are evaluated: mostly the two ends.
     """
     fixed = program.lower == program.upper
-    points = program.incidence.reading(fixed)
-    multipliers.bounds[fixed] = 0.0
-    values = evaluate(program, z, points)
-    missing = gradient(program, values, multipliers, points=points)
-    multipliers.bounds[fixed] = -missing[fixed]
+    if not fixed.any():
+        return
+    part = program.incidence.reading(fixed)
+    multipliers.bounds[part.entries] = 0.0
+    missing = gradient(program, evaluate(program, z, part.points), multipliers, part=part)
+    multipliers.bounds[part.entries] = -missing[:-1]
+
+
+def _rate_multipliers(part: Part, defects: Array, points: int) -> Array:
+    """Return (points, nx): the multipliers of F at the points of a part."""
+    by_row = np.ascontiguousarray(defects.swapaxes(0, 1))
+    weighted = (part.shares * by_row[:, :, None, :]).sum(axis=0)
+    nx = defects.shape[2]
+    return summed(part.rates_read, weighted.ravel(), (points + 1) * nx).reshape(-1, nx)[:-1]
+
+
+def _rate_slope(program: Program, rho: Array) -> float:
+    """Return what the rate rows' bounds take from the gradient with respect to the duration."""
+    rows = program.rates
+    active = np.where(rho > 0, rows.upper, rows.lower)
+    bound = np.where(rho == 0, 0.0, active)
+    return float(np.sum(rho * bound * rows.length))
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ Legend: as in program.py.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeVar
 
@@ -17,7 +17,40 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Offsets = NDArray[np.intp]
+Mask = NDArray[np.bool_]
+Chosen = Offsets | slice
 T = TypeVar("T", bound=np.generic)
+
+MOST_PARTS = 8
+"""Parts of a program that are kept."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """The segments, points and rows that read some entries of z, and where their slopes go.
+
+    Slopes are summed into ``size`` places: the n entries asked for, then maybe one for all others.
+
+    Attributes
+    ----------
+    entries : the entries asked for; segments, points, rows : what reads them
+    places : where go, one after the other, n bounds, slopes of the segments' states, states and
+        controls of the points, rate rows
+    last : (nx,), globals : (nq,) places of the last state and of the globals
+    shares : (s−1, segments, s_used, 1) weights δ_k A_ij
+    rates_read : where segments read the (points + 1, nx) multipliers of F, flattened
+    """
+
+    entries: Chosen
+    segments: Chosen
+    points: Chosen
+    rows: Chosen
+    places: Offsets
+    last: Offsets
+    globals: Offsets
+    shares: Array
+    rates_read: Offsets
+    size: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,11 +62,11 @@ class Incidence:
     states : (N, s, nx) positions of the segments' states, controls : (N, m, nu) of their controls
     last : (nx,) of the last state, globals : (nq,)
     point_states : (P, nx), point_controls : (P, m, nu) what the evaluated points read
-    segment_entries : (N · s_used · nx,) where segments read a (P, nx) array, flattened
     rates : (R, w) of the rate rows
+    segment_points : (N, s_used) evaluated points of the segments
     point_cost : (P,) cost weights c_j
     shares : (s−1, N, s_used, 1) weights δ_k A_ij
-    own : (size,) each entry's own position
+    size : of z
     """
 
     states: Offsets
@@ -42,11 +75,12 @@ class Incidence:
     globals: Offsets
     point_states: Offsets
     point_controls: Offsets
-    segment_entries: Offsets
     rates: Offsets
-    own: Offsets
+    segment_points: Offsets
     point_cost: Array
     shares: Array
+    size: int
+    _parts: dict[bytes, Part] = field(default_factory=dict)
 
     @classmethod
     def of(cls, program: Program) -> Incidence:
@@ -55,7 +89,6 @@ class Incidence:
         cost = np.zeros(len(program.point_state))
         np.add.at(cost, program.segment_points, program.segment_cost)
         states = layout.states_at(layout.state)
-        entries = program.segment_points[..., None] * layout.nx + np.arange(layout.nx)
         return cls(
             states=states,
             controls=layout.controls_at(layout.control),
@@ -64,36 +97,70 @@ class Incidence:
             point_states=layout.states_at(program.point_state),
             point_controls=layout.controls_at(program.point_control),
             rates=program.rates.positions,
-            own=np.arange(layout.size),
-            segment_entries=entries.ravel(),
+            segment_points=program.segment_points,
             point_cost=cost,
             shares=program.fractions[:, None, None] * program.A[:, None, :, None],
+            size=layout.size,
         )
 
-    def gradient_entries(self, points: Offsets | None = None) -> Offsets:
-        """Return where the parts of a gradient stand in z.
-
-        All of z, the segments' states, states and controls of the evaluated points (all of them,
-        or some), rate rows.
-        """
-        return self._all_entries if points is None else self._entries(points)
-
     @cached_property
-    def _all_entries(self) -> Offsets:
-        return self._entries(slice(None))
+    def whole(self) -> Part:
+        """All of the program."""
+        every = slice(None)
+        return self._part(every, every, every, every, np.arange(self.size), self.size)
 
-    def _entries(self, points: Offsets | slice) -> Offsets:
-        read = self.point_states[points], self.point_controls[points]
-        return joined(self.own, self.states, *read, self.rates)
+    def reading(self, entries: Mask) -> Part:
+        """Return the part that reads the entries of z marked in a (size,) mask."""
+        key = np.packbits(entries).tobytes()
+        part = self._parts.get(key)
+        if part is None:
+            if len(self._parts) >= MOST_PARTS:
+                self._parts.clear()
+            part = self._parts[key] = self._reading(entries)
+        return part
 
-    def reading(self, entries: NDArray[np.bool_]) -> Offsets:
-        """Return the evaluated points that read one of the entries of z, in order."""
-        P = len(self.point_states)
-        if entries[self.globals].any():
-            return np.arange(P)
-        read = entries[self.point_states].any(axis=1)
-        read |= entries[self.point_controls.reshape(P, -1)].any(axis=1)
-        return np.flatnonzero(read)
+    def _reading(self, entries: Mask) -> Part:
+        asked, count = np.flatnonzero(entries), len(self.point_states)
+        place = np.full(self.size, len(asked))
+        place[asked] = np.arange(len(asked))
+        read = np.any(entries[self.point_states], axis=1)
+        read = read | np.any(entries[self.point_controls.reshape(count, -1)], axis=1)
+        read = read | np.any(entries[self.globals])
+        segments = np.any(read[self.segment_points], axis=1)
+        segments = segments | np.any(entries[self.states], axis=(1, 2))
+        rows = np.any(entries[self.rates], axis=1)
+        k, j, r = (np.flatnonzero(mask) for mask in (segments, read, rows))
+        return self._part(asked, k, j, r, place, len(asked) + 1)
+
+    def _part(
+        self,
+        entries: Chosen,
+        segments: Chosen,
+        points: Chosen,
+        rows: Chosen,
+        place: Offsets,
+        size: int,
+    ) -> Part:
+        """Return a part whose slopes are summed at the place of each entry of z."""
+        P, nx = self.point_states.shape
+        chosen = np.arange(P)[points]
+        number = np.full(P, len(chosen))  # points left out share the place after the last
+        number[chosen] = np.arange(len(chosen))
+        own = np.arange(self.size)[entries]
+        read = self.states[segments], self.point_states[points], self.point_controls[points]
+        points_read = number[self.segment_points[segments]]
+        return Part(
+            entries=entries,
+            segments=segments,
+            points=points,
+            rows=rows,
+            places=place[joined(own, *read, self.rates[rows])],
+            last=place[self.last],
+            globals=place[self.globals],
+            shares=np.ascontiguousarray(self.shares[:, segments]),
+            rates_read=(points_read[..., None] * nx + np.arange(nx)).ravel(),
+            size=size,
+        )
 
 
 def joined(*parts: NDArray[T]) -> NDArray[T]:

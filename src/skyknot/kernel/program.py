@@ -25,7 +25,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from skyknot.kernel.incidence import Incidence
+from skyknot.kernel.incidence import Chosen, Incidence
 from skyknot.kernel.layout import Layout
 
 Array = NDArray[np.float64]
@@ -154,11 +154,11 @@ class Program:
         """(P,) cost weights c_j."""
         return self.incidence.point_cost
 
-    def point_states(self, z: Array, points: Offsets | slice = ALL) -> Array:
+    def point_states(self, z: Array, points: Chosen = ALL) -> Array:
         """Return (P, nx) states of the evaluated points, or of some of them."""
         return z[self.incidence.point_states[points]]
 
-    def point_controls(self, z: Array, points: Offsets | slice = ALL) -> Array:
+    def point_controls(self, z: Array, points: Chosen = ALL) -> Array:
         """Return (P, nu) controls of the evaluated points, or of some of them."""
         values = z[self.incidence.point_controls[points]]
         result: Array = np.einsum("pm,pmu->pu", self.point_weights[points], values)
