@@ -131,7 +131,8 @@ class Rows:
         """Return the rows of a program that differs in numbers only; see Prepared."""
         other = copy.copy(self)
         other.program = program
-        if program.lower is not self.program.lower or program.upper is not self.program.upper:
+        kept = ("lower", "upper", "path_lower", "path_upper")
+        if any(getattr(program, name) is not getattr(self.program, name) for name in kept):
             other._limits = None
         return other
 
@@ -178,15 +179,13 @@ class Rows:
 
     def data(self, z: Array) -> dict[str, Any]:
         """Return bounds, start and scales for the native solve."""
-        path_lower, path_upper = self._relaxed_path_bounds(z)
         return {
             **self._constants,
             **self.limits.data,
             "z": self.to_rows(z) / self.scale[:, None],
             "q": (z[self.program.incidence.globals] / self.S_q).tolist(),
             "parameters": self.program.parameters.tolist(),
-            "path_lower": self._path_tables(path_lower),
-            "path_upper": self._path_tables(path_upper),
+            **self._without_settled(z),
         }
 
     def _unchanging(self) -> dict[str, Any]:
@@ -207,38 +206,36 @@ class Rows:
             "rate_unscale": self.rates.scale.tolist(),
         }
 
-    def _path_tables(self, bounds: Array) -> list[Array]:
-        """Return (ng, n) tables, one for each class of points, of (P, ng) bounds."""
+    def path_tables(self, lower: Array, upper: Array) -> dict[str, list[Array]]:
+        """Return (P, ng) path bounds as the native room wants them: (ng, n) by class of points."""
         scale = self.path_scale[:, None]
-        return [np.ascontiguousarray(bounds[points].T / scale) for points in self.classes]
+        return {
+            name: [np.ascontiguousarray(side[points].T / scale) for points in self.classes]
+            for name, side in (("path_lower", lower), ("path_upper", upper))
+        }
 
-    def _relaxed_path_bounds(self, z: Array) -> tuple[Array, Array]:
-        """Return (P, ng) path bounds as the barrier can meet them.
+    def _without_settled(self, z: Array) -> dict[str, list[Array]]:
+        """Return path bounds without rows that hold where nothing can move, if there are any.
 
-        Inequalities are relaxed by 1e-8 (relative) so that one exactly active where nothing can
-        move still has an interior; Wächter & Biegler 2006, section 3.5. At a node whose state is
-        fixed, a row of the state alone is settled: it is dropped when it holds.
+        At a node whose state is fixed, a row of the state alone is settled: it is dropped when it
+        holds.
         """
-        program = self.program
-        lower, upper = program.path_lower.copy(), program.path_upper.copy()
-        if not self.path_columns:
-            return lower, upper
-        loose = lower < upper
-        lower[loose] -= RELAXATION * np.maximum(1.0, np.abs(lower[loose]))
-        upper[loose] += RELAXATION * np.maximum(1.0, np.abs(upper[loose]))
-        fixed = (program.lower == program.upper)[program.incidence.point_states]
-        nx = program.layout.nx
-        for point in np.flatnonzero(fixed.all(axis=1)):
+        program, (lower, upper) = self.program, self.limits.path
+        nx, dropped = program.layout.nx, []
+        rows = [i for i, read in enumerate(self.path_columns) if all(c < nx for c in read)]
+        for point in self.limits.fixed_points if rows else ():
             here = slice(point, point + 1)
             x, u = program.point_states(z, here)[0], program.point_controls(z, here)[0]
             q, tau = program.globals_of(z), program.point_time[point]
             g = program.parametric_point(x, u, q, tau, program.parameters)[2]
-            for row, columns in enumerate(self.path_columns):
-                value = float(g[row])
-                holds = lower[point, row] <= value <= upper[point, row]
-                if holds and all(column < nx for column in columns):
-                    lower[point, row], upper[point, row] = -np.inf, np.inf
-        return lower, upper
+            holds = (lower[point, i] <= float(g[i]) <= upper[point, i] for i in rows)
+            dropped += [(point, i) for i, held in zip(rows, holds, strict=True) if held]
+        if not dropped:
+            return {}
+        lower, upper = lower.copy(), upper.copy()
+        at = tuple(np.array(dropped).T)
+        lower[at], upper[at] = -np.inf, np.inf
+        return self.path_tables(lower, upper)
 
     def unknowns(self, result: dict[str, Any]) -> Array:
         """Return z of a native result."""
@@ -309,6 +306,8 @@ class _Limits:
     Attributes
     ----------
     pins : (n, 2) rows and columns of fixed unknowns but for those of the first state
+    path : (P, ng) lower and upper path bounds as the barrier can meet them
+    fixed_points : evaluated points whose state is fixed
     data : entries for the native solve
     """
 
@@ -321,6 +320,9 @@ class _Limits:
         fixed_first = pinned[:nx, 0].astype(int).tolist()
         pinned[:nx, 0] = False
         self.pins = np.argwhere(pinned)
+        fixed = (program.lower == program.upper)[program.incidence.point_states]
+        self.fixed_points = np.flatnonzero(fixed.all(axis=1)).tolist()
+        self.path = _relaxed(program)
         q = program.incidence.globals
         self.data: dict[str, Any] = {
             "lower": lower,
@@ -330,7 +332,21 @@ class _Limits:
             "pin_row": self.pins[:, 0].tolist(),
             "pin_k": self.pins[:, 1].tolist(),
             "fixed_first": fixed_first,
+            **rows.path_tables(*self.path),
         }
+
+
+def _relaxed(program: Program) -> tuple[Array, Array]:
+    """Return (P, ng) path bounds, inequalities relaxed by 1e-8 (relative).
+
+    So that one exactly active where nothing can move still has an interior; Wächter & Biegler 2006,
+    section 3.5.
+    """
+    lower, upper = program.path_lower.copy(), program.path_upper.copy()
+    loose = lower < upper
+    lower[loose] -= RELAXATION * np.maximum(1.0, np.abs(lower[loose]))
+    upper[loose] += RELAXATION * np.maximum(1.0, np.abs(upper[loose]))
+    return lower, upper
 
 
 class _RateTypes:
