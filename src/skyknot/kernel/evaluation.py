@@ -188,11 +188,12 @@ def _rate_slope(program: Program, rho: Array) -> float:
 
 @dataclass(frozen=True)
 class Residuals:
-    """KKT residuals, unscaled, in the user's units."""
+    """KKT residuals, unscaled, in the user's units; ``defect`` is the largest defect of them."""
 
     stationarity: float
     feasibility: float
     complementarity: float
+    defect: float
 
     @property
     def largest(self) -> float:
@@ -205,19 +206,22 @@ def residuals(
     program: Program, z: Array, multipliers: Multipliers, values: Evaluation
 ) -> Residuals:
     """Return the KKT residuals of (z, multipliers)."""
-    rate, rate_lower, rate_upper = rate_values(program, z)
     boxes = [
         (z, program.lower, program.upper, multipliers.bounds),
         (values.g, program.path_lower, program.path_upper, multipliers.path),
-        (rate, rate_lower, rate_upper, multipliers.rates),
     ]
+    if len(multipliers.rates):
+        boxes.append((*rate_values(program, z), multipliers.rates))
+    boxes = [box for box in boxes if box[0].size]
+    defect = _largest(defects(program, z, values))
     return Residuals(
         stationarity=_largest(gradient(program, values, multipliers)),
         feasibility=max(
-            _largest(defects(program, z, values)),
+            defect,
             *(_largest(np.maximum(np.maximum(low - v, v - high), 0)) for v, low, high, _ in boxes),
         ),
         complementarity=max(_complementarity(*box) for box in boxes),
+        defect=defect,
     )
 
 

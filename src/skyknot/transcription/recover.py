@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from skyknot.kernel.evaluation import Evaluation, defects, evaluate, objective, residuals
+from skyknot.kernel.evaluation import Evaluation, evaluate, objective, residuals
 from skyknot.kernel.program import Multipliers, Program
 from skyknot.trajectory import SegmentData, Trajectory, lagrange_basis
 
@@ -25,9 +25,8 @@ def trajectory(program: Program, points: Array, z: Array, values: Evaluation) ->
     points : (s,) state points of the scheme
     values : evaluation of the program at z
     """
-    layout, T = program.layout, program.duration_of(z)
-    X = z[layout.states_at(layout.state)]
-    U = z[layout.controls_at(layout.control)]
+    T = program.duration_of(z)
+    X, U = z[program.incidence.states], z[program.incidence.controls]
     rated = np.any(program.A != 0, axis=0)  # path constraints may be seen at more points
     return Trajectory(
         times=T * np.concatenate([[0.0], np.cumsum(program.fractions)]),
@@ -143,13 +142,13 @@ def recover(program: Program, points: Array, z: Array, multipliers: Multipliers)
     points : (s,) state points of the scheme
     """
     values = evaluate(program, z)
-    q = program.globals_of(z)
+    q, left = program.globals_of(z), residuals(program, z, multipliers, values)
     return Recovered(
         trajectory=trajectory(program, points, z, values),
         costates=costates(program, values, multipliers),
         objective=objective(program, values),
-        kkt_residual=residuals(program, z, multipliers, values).largest,
-        max_defect=float(np.max(np.abs(defects(program, z, values)))),
+        kkt_residual=left.largest,
+        max_defect=left.defect,
         globals={name: float(q[i]) for i, name in enumerate(program.global_names)},
     )
 
