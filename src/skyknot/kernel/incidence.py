@@ -104,6 +104,21 @@ class Incidence:
         )
 
     @cached_property
+    def owned_states(self) -> Mask:
+        """(N, s) the last of the segments' places that stand for one state."""
+        return _last_of_each(self.states[..., 0])
+
+    @cached_property
+    def owned_controls(self) -> Mask:
+        """(N, m) the last of the segments' places that stand for one control value."""
+        return _last_of_each(self.controls[..., 0])
+
+    @cached_property
+    def owned_points(self) -> Mask:
+        """(N, s_used) the last of the segments' places that stand for one evaluated point."""
+        return _last_of_each(self.segment_points)
+
+    @cached_property
     def whole(self) -> Part:
         """All of the program."""
         every = slice(None)
@@ -161,6 +176,14 @@ class Incidence:
             rates_read=(points_read[..., None] * nx + np.arange(nx)).ravel(),
             size=size,
         )
+
+
+def _last_of_each(places: Offsets) -> Mask:
+    flat = places.ravel()
+    last = np.zeros(flat.max() + 1, dtype=np.intp)
+    last[flat] = np.arange(len(flat))
+    owned: Mask = last[flat] == np.arange(len(flat))
+    return owned.reshape(places.shape)
 
 
 def joined(*parts: NDArray[T]) -> NDArray[T]:

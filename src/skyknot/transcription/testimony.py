@@ -13,6 +13,7 @@ from skyknot.witness import Witness
 
 Array = NDArray[np.float64]
 Offsets = NDArray[np.intp]
+Mask = NDArray[np.bool_]
 
 
 def testimony(program: Program, points: Array, multipliers: Multipliers) -> Witness:
@@ -22,12 +23,13 @@ def testimony(program: Program, points: Array, multipliers: Multipliers) -> Witn
     ----------
     points : (s,) state points of the scheme
     """
-    layout, used = program.layout, program.used
+    places, used = program.incidence, program.used
     N, s, ng = program.segments, len(points), multipliers.path.shape[1]
     A, weights = np.zeros((len(program.C), s)), np.zeros((N, s))
     A[:, used], weights[:, used] = program.A, program.segment_cost
     path = np.zeros((N, s, ng))
-    path[:, used] = _once(program.segment_points, multipliers.path[program.segment_points])
+    if ng:
+        path[:, used] = _once(places.owned_points, multipliers.path[program.segment_points])
     bounds = multipliers.bounds
     return Witness(
         points=points,
@@ -38,9 +40,9 @@ def testimony(program: Program, points: Array, multipliers: Multipliers) -> Witn
         shared=program.shared,
         defects=multipliers.defects,
         path=path,
-        state_bounds=_once(layout.state, bounds[layout.states_at(layout.state)]),
-        control_bounds=_once(layout.control, bounds[layout.controls_at(layout.control)]),
-        global_bounds=bounds[layout.global_positions],
+        state_bounds=_once(places.owned_states, bounds[places.states]),
+        control_bounds=_once(places.owned_controls, bounds[places.controls]),
+        global_bounds=bounds[places.globals],
         rates=multipliers.rates,
         rate_values=_control_places(program),
         rate_weights=program.rates.weights,
@@ -48,20 +50,17 @@ def testimony(program: Program, points: Array, multipliers: Multipliers) -> Witn
     )
 
 
-def _once(places: Offsets, values: Array) -> Array:
-    """Return values (N, j, n) at places (N, j), zero at a repeated place but for its last one."""
-    flat = places.ravel()
-    last = np.zeros(flat.max() + 1, dtype=np.intp)
-    last[flat] = np.arange(len(flat))
-    owner = (last[flat] == np.arange(len(flat))).reshape(places.shape)
-    result: Array = np.where(owner[..., None], values, 0.0)
+def _once(owned: Mask, values: Array) -> Array:
+    """Return values (N, j, n) where their place (N, j) is owned, zero elsewhere."""
+    result: Array = np.where(owned[..., None], values, 0.0)
     return result
 
 
 def _control_places(program: Program) -> Offsets:
     """Return (R, w) positions of the rate rows' values in control values (N, m, nu), flattened."""
-    layout = program.layout
-    first = np.zeros(layout.size, dtype=np.intp)
-    entries = layout.controls_at(layout.control).reshape(-1)
+    if not program.rates.positions.size:
+        return program.rates.positions
+    first = np.zeros(program.layout.size, dtype=np.intp)
+    entries = program.incidence.controls.reshape(-1)
     first[entries] = np.arange(len(entries))
     return first[program.rates.positions]
