@@ -204,7 +204,7 @@ def _solved(
             control_units=tuple(control.unit for control in problem.controls),
             parameters=problem.parameter_values() | recovered.globals,
             guess=rung,
-            versions=_versions(),
+            versions=_versions().copy(),
             inputs_hash=_inputs_hash(program),
             detail=result.detail,
             timings=watch.laps,
@@ -318,6 +318,7 @@ def _history(result: SolverResult) -> Array:
     return np.array(result.history, dtype=float).reshape(-1, len(HISTORY))
 
 
+@lru_cache(maxsize=1)
 def _versions() -> dict[str, str]:
     return {
         "skyknot": __version__,
@@ -327,23 +328,25 @@ def _versions() -> dict[str, str]:
     }
 
 
-def _inputs_hash(program: Any) -> str:
-    digest = hashlib.sha256()
-    for function in (program.parametric_point, program.parametric_terminal):
-        digest.update(_serialized(function))
-    for array in (program.parameters, program.C, program.A, program.fractions, program.start):
-        digest.update(np.ascontiguousarray(array).tobytes())
-    for array in (program.lower, program.upper, program.path_lower, program.path_upper):
-        digest.update(np.ascontiguousarray(array).tobytes())
-    rates = program.rates
-    for array in (program.segment_cost, rates.positions, rates.lower, rates.upper):
-        digest.update(np.ascontiguousarray(array).tobytes())
-    return digest.hexdigest()
+def _inputs_hash(program: Program) -> str:
+    digest = _hash_of(program.parametric_point, program.parametric_terminal).copy()
+    p, rates = program, program.rates
+    for array in (
+        *(p.parameters, p.C, p.A, p.fractions, p.start),
+        *(p.lower, p.upper, p.path_lower, p.path_upper),
+        *(p.segment_cost, rates.positions, rates.lower, rates.upper),
+    ):
+        digest.update(np.ascontiguousarray(array))
+    return str(digest.hexdigest())
 
 
 @lru_cache(maxsize=32)
-def _serialized(function: ca.Function) -> bytes:
-    return str(function.serialize()).encode()
+def _hash_of(*functions: ca.Function) -> Any:
+    """Return the hash object that has read these functions; to be copied."""
+    digest = hashlib.sha256()
+    for function in functions:
+        digest.update(str(function.serialize()).encode())
+    return digest
 
 
 class _Stopwatch:
