@@ -120,9 +120,11 @@ def located(times: Array, t: ArrayLike) -> tuple[NDArray[np.intp], Array, Array,
     """
     asked = np.asarray(t, dtype=float)
     flat = np.atleast_1d(asked).ravel()
-    k = np.clip(np.searchsorted(times, flat, side="right") - 1, 0, len(times) - 2)
-    h = times[k + 1] - times[k]
-    tau = np.clip((flat - times[k]) / h, 0.0, 1.0)
+    k = times.searchsorted(flat, side="right") - 1
+    k = np.minimum(np.maximum(k, 0), len(times) - 2)
+    begin = times[k]
+    h = times[k + 1] - begin
+    tau = np.minimum(np.maximum((flat - begin) / h, 0.0), 1.0)
     return k, tau, h, asked.ndim == 0
 
 
@@ -166,7 +168,7 @@ def integral_basis(points: Array, tau: Array) -> Array:
 
 def _check(times: Array, states: Array, controls: Array) -> None:
     n = len(times)
-    if times.ndim != 1 or n < 2 or not np.all(np.diff(times) > 0):
+    if times.ndim != 1 or n < 2 or not (times[1:] > times[:-1]).all():
         raise UserError(
             "The times of a trajectory must increase.",
             where="times",
@@ -183,7 +185,7 @@ def _check(times: Array, states: Array, controls: Array) -> None:
                 expected=f"({n}, number of {name})",
                 do="Put time first: one row per node.",
             )
-    if not all(np.all(np.isfinite(values)) for values in (times, states, controls)):
+    if not all(np.isfinite(values).all() for values in (times, states, controls)):
         raise UserError(
             "A trajectory holds a value that is not a finite number.",
             where="times, states or controls",

@@ -86,7 +86,8 @@ class Transcription:
         """Return the finite program of a problem whose functions were made for another mesh."""
         points = _Points(self, self._nodes_for(problem), problem)
         layout = points.layout
-        lower, upper = _bounds(self, problem, layout)
+        states, controls = layout.states_at(layout.state), layout.controls_at(layout.control)
+        lower, upper = _bounds(self, problem, layout, states, controls)
         names = global_names(problem)
         path_lower, path_upper = points.path_bounds()
         duration = None if problem.free_horizon else problem.duration_guess
@@ -121,7 +122,7 @@ class Transcription:
             rates=rate_rows(
                 problem, layout, points.fractions, points.control_points, points.shared
             ),
-            start=self._start(problem, guess, layout, lower, upper),
+            start=self._start(problem, guess, states, controls, lower, upper),
             scales=decision_scales(problem, layout),
             compressed=self.form == "compressed",
             duration=duration,
@@ -136,34 +137,43 @@ class Transcription:
             constraints; its functions, bookkeeping and scales are kept
         problem : with its own ends, bounds and values of parameters
         """
-        lower, upper = _bounds(self, problem, program.layout)
+        places = program.incidence
+        lower, upper = _bounds(self, problem, program.layout, places.states, places.controls)
         return program.with_numbers(
             lower=lower,
             upper=upper,
             parameters=parameter_values(problem),
-            start=self._start(problem, guess, program.layout, lower, upper),
+            start=self._start(problem, guess, places.states, places.controls, lower, upper),
         )
 
     def _start(
-        self, problem: Problem, guess: Trajectory, layout: Layout, lower: Array, upper: Array
+        self,
+        problem: Problem,
+        guess: Trajectory,
+        states: Offsets,
+        controls: Offsets,
+        lower: Array,
+        upper: Array,
     ) -> Array:
-        nodes = self._nodes_for(problem)
-        T = guess.duration
-        z = np.zeros(layout.size)
-        for places, offsets, read in (
-            (self.table.points, layout.states_at(layout.state), guess.state),
-            (
-                self.table.control_points[self.controls],
-                layout.controls_at(layout.control),
-                guess.control,
-            ),
+        """Return z of a guess; ``states`` and ``controls`` are where their values stand in z."""
+        T, z = guess.duration, np.zeros(len(lower))
+        for tau, positions, read in zip(
+            self.taken_at(problem), (states, controls), (guess.state, guess.control), strict=True
         ):
-            tau = nodes[:-1, None] + np.diff(nodes)[:, None] * places[None, :]
-            values = read(guess.times[0] + T * np.minimum(tau, 1.0).ravel())
-            z[offsets] = np.reshape(values, offsets.shape)
+            z[positions] = np.reshape(read(guess.times[0] + T * tau), positions.shape)
         free = [value.start for value in problem.free_parameters.values()]
-        z[layout.global_positions] = ([T] if problem.free_horizon else []) + free
-        return np.clip(z, lower, upper)
+        q = ([T] if problem.free_horizon else []) + free
+        z[len(z) - len(q) :] = q
+        return z.clip(lower, upper)
+
+    def taken_at(self, problem: Problem) -> tuple[Array, Array]:
+        """Return where in the horizon all state and all control values stand: (N·s,), (N·m,)."""
+        nodes = self._nodes_for(problem)
+        state, control = (
+            np.minimum(nodes[:-1, None] + np.diff(nodes)[:, None] * places[None, :], 1.0).ravel()
+            for places in (self.table.points, self.table.control_points[self.controls])
+        )
+        return state, control
 
     def _nodes_for(self, problem: Problem) -> Array:
         return with_nodes_at(self.nodes, [entry.at for entry in problem.points])
@@ -251,18 +261,22 @@ class _Points:
         return lower, upper
 
 
-def _bounds(transcription: Transcription, problem: Problem, layout: Layout) -> tuple[Array, Array]:
+def _bounds(
+    transcription: Transcription,
+    problem: Problem,
+    layout: Layout,
+    states: Offsets,
+    controls: Offsets,
+) -> tuple[Array, Array]:
+    """Return bounds of z; ``states`` and ``controls`` are where their values stand in it."""
     lower, upper = np.full(layout.size, -np.inf), np.full(layout.size, np.inf)
-    states = layout.state if transcription.enforce == "points" else layout.state[:, [0, -1]]
-    lower[layout.states_at(states)] = problem.state_lower
-    upper[layout.states_at(states)] = problem.state_upper
-    lower[layout.controls_at(layout.control)] = problem.control_lower
-    upper[layout.controls_at(layout.control)] = problem.control_upper
-    for node, low, high in (
-        (layout.state[0, 0], problem.initial_lower, problem.initial_upper),
-        (layout.state[-1, -1], problem.final_lower, problem.final_upper),
+    bounded = states if transcription.enforce == "points" else states[:, [0, -1]]
+    lower[bounded], upper[bounded] = problem.state_lower, problem.state_upper
+    lower[controls], upper[controls] = problem.control_lower, problem.control_upper
+    for here, low, high in (
+        (states[0, 0], problem.initial_lower, problem.initial_upper),
+        (states[-1, -1], problem.final_lower, problem.final_upper),
     ):
-        here = node + np.arange(layout.nx)
         lower[here], upper[here] = np.maximum(lower[here], low), np.minimum(upper[here], high)
     free = ([problem.horizon] if problem.free_horizon else []) + list(
         problem.free_parameters.values()

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from skyknot.kernel.program import Program
 from skyknot.problem.problem import Problem
 from skyknot.trajectory import Trajectory
-from skyknot.transcription.base import Transcription
+from skyknot.transcription.base import Array, Transcription
 
 
 @dataclass(frozen=True)
@@ -31,3 +31,10 @@ class Family(Transcription):
         """Return the program of a problem of the family; see ``Transcription.again``."""
         assert self.first is not None
         return self.again(self.first, problem, guess)
+
+    def taken_at(self, problem: Problem) -> tuple[Array, Array]:
+        """Return where in the horizon values stand, which is the same for all of the family."""
+        if "_taken_at" not in self.__dict__:
+            self.__dict__["_taken_at"] = super().taken_at(problem)
+        places: tuple[Array, Array] = self.__dict__["_taken_at"]
+        return places
