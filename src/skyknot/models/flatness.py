@@ -32,6 +32,7 @@ from numpy.typing import ArrayLike, NDArray
 from skyknot.errors import UserError
 
 Samples = NDArray[np.float64]
+Vectors = tuple[Samples, Samples, Samples]
 
 TILT_LIMIT = float(np.deg2rad(89.0))
 """Tilt, rad, from which the lift is refused: at 90 deg the Euler angles stop being defined."""
@@ -51,6 +52,14 @@ class RigidBody(Protocol):
     @property
     def gravity(self) -> float:
         """Return gravity, m/s²."""
+
+
+class _VectorJet(NamedTuple):
+    """Sampled vectors with their first and second derivatives."""
+
+    value: Vectors
+    rate: Vectors
+    second: Vectors
 
 
 class _Jet(NamedTuple):
@@ -99,16 +108,28 @@ def lift(
         )
     )
     _check_lengths([*path, *heading])
-    w = _specific_force(vehicle.gravity, path[2], path[3], path[4], heading)
+    w = _specific_force(vehicle.gravity, path[2].T, path[3].T, path[4].T, heading)
     _check_tilt(w.value)
     pitch, across = _pitch(w)
     roll = _roll(w, across)
-    rates, angular_acceleration = _body_rates(roll, pitch, heading)
-    inertia = np.array(vehicle.inertia)
-    torque = inertia * angular_acceleration + np.cross(rates, inertia * rates)
-    thrust = vehicle.mass * np.linalg.norm(w.value, axis=1)
-    angles = np.column_stack([roll.value, pitch.value, heading.value])
-    return np.hstack([path[0], path[1], angles, rates]), np.column_stack([thrust, torque])
+    rates, accelerations = _body_rates(roll, pitch, heading)
+    angles = roll.value, pitch.value, heading.value
+    thrust = vehicle.mass * _length(w.value)
+    torques = _torques(vehicle.inertia, rates, accelerations)
+    return np.hstack([*path[:2], np.array([*angles, *rates]).T]), np.column_stack(
+        [thrust, *torques]
+    )
+
+
+def _torques(inertia: tuple[float, float, float], rates: Vectors, derivatives: Vectors) -> Vectors:
+    """Return I ω' + ω × I ω."""
+    (Ixx, Iyy, Izz), (p, q, r), (p_rate, q_rate, r_rate) = inertia, rates, derivatives
+    Hx, Hy, Hz = Ixx * p, Iyy * q, Izz * r
+    return (
+        Ixx * p_rate + (q * Hz - r * Hy),
+        Iyy * q_rate + (r * Hx - p * Hz),
+        Izz * r_rate + (p * Hy - q * Hx),
+    )
 
 
 _PATH = ("position", "velocity", "acceleration", "jerk", "snap")
@@ -117,35 +138,37 @@ _YAW = ("yaw", "yaw_rate", "yaw_acceleration")
 
 def _specific_force(
     gravity: float, acceleration: Samples, jerk: Samples, snap: Samples, heading: _Jet
-) -> _Jet:
-    """Return w = Rz(−ψ)(g e3 − a) with two derivatives, (M, 3) each."""
-    rate, second = heading.rate[:, None], heading.second[:, None]
-    w = _turn_back(np.array([0.0, 0.0, gravity]) - acceleration, heading.value)
-    turned_jerk = _turn_back(-jerk, heading.value)
-    w_rate = turned_jerk - rate * _quarter_turn(w)
+) -> _VectorJet:
+    """Return w = Rz(−ψ)(g e3 − a) with two derivatives, from (3, M) each."""
+    rate, second = heading.rate, heading.second
+    turn = np.cos(heading.value), np.sin(heading.value)
+    (ax, ay, az), (sx, sy, sz) = acceleration, snap
+    X, Y, _ = w = _turned_back(0.0 - ax, 0.0 - ay, gravity - az, *turn)
+    jx, jy, jz = _turned_back(-jerk[0], -jerk[1], -jerk[2], *turn)
+    Xd, Yd, _ = w_rate = jx + rate * Y, jy - rate * X, jz
+    tx, ty, tz = _turned_back(-sx, -sy, -sz, *turn)
     w_second = (
-        _turn_back(-snap, heading.value)
-        - second * _quarter_turn(w)
-        - rate * _quarter_turn(w_rate + turned_jerk)
+        tx + second * Y + rate * (Yd + jy),
+        ty - second * X - rate * (Xd + jx),
+        tz,
     )
-    return _Jet(w, w_rate, w_second)
+    return _VectorJet(w, w_rate, w_second)
 
 
-def _turn_back(vectors: Samples, angle: Samples) -> Samples:
-    """Return Rz(−angle) times each row, (M, 3)."""
-    cosine, sine = np.cos(angle), np.sin(angle)
-    x, y, z = vectors.T
-    return np.column_stack([cosine * x + sine * y, cosine * y - sine * x, z])
+def _turned_back(x: Samples, y: Samples, z: Samples, cosine: Samples, sine: Samples) -> Vectors:
+    """Return Rz(−angle) times each sample."""
+    return cosine * x + sine * y, cosine * y - sine * x, z
 
 
-def _quarter_turn(vectors: Samples) -> Samples:
-    """Return S times each row: (−y, x, 0)."""
-    return np.column_stack([-vectors[:, 1], vectors[:, 0], np.zeros(len(vectors))])
+def _length(vectors: Vectors) -> Samples:
+    X, Y, Z = vectors
+    result: Samples = np.sqrt(X * X + Y * Y + Z * Z)
+    return result
 
 
-def _pitch(w: _Jet) -> tuple[_Jet, _Jet]:
+def _pitch(w: _VectorJet) -> tuple[_Jet, _Jet]:
     """Return θ = atan2(X, Z) and ρ = |(X, Z)|, each with two derivatives."""
-    (X, _, Z), (Xd, _, Zd), (Xdd, _, Zdd) = w.value.T, w.rate.T, w.second.T
+    (X, _, Z), (Xd, _, Zd), (Xdd, _, Zdd) = w
     rho = np.hypot(X, Z)
     rho_rate = (X * Xd + Z * Zd) / rho
     rho_second = (Xd**2 + Zd**2 + X * Xdd + Z * Zdd - rho_rate**2) / rho
@@ -154,9 +177,9 @@ def _pitch(w: _Jet) -> tuple[_Jet, _Jet]:
     return _Jet(np.arctan2(X, Z), rate, second), _Jet(rho, rho_rate, rho_second)
 
 
-def _roll(w: _Jet, across: _Jet) -> _Jet:
+def _roll(w: _VectorJet, across: _Jet) -> _Jet:
     """Return φ = −atan2(Y, ρ) with two derivatives."""
-    Y, Yd, Ydd = w.value[:, 1], w.rate[:, 1], w.second[:, 1]
+    Y, Yd, Ydd = (components[1] for components in w)
     rho, rho_rate, rho_second = across
     square = Y**2 + rho**2
     rate = (Y * rho_rate - Yd * rho) / square
@@ -165,8 +188,8 @@ def _roll(w: _Jet, across: _Jet) -> _Jet:
     return _Jet(-np.arctan2(Y, rho), rate, second)
 
 
-def _body_rates(roll: _Jet, pitch: _Jet, yaw: _Jet) -> tuple[Samples, Samples]:
-    """Return ω and its derivative, (M, 3) each, from the Euler angles' derivatives."""
+def _body_rates(roll: _Jet, pitch: _Jet, yaw: _Jet) -> tuple[Vectors, Vectors]:
+    """Return ω and its derivative from the Euler angles' derivatives."""
     sf, cf = np.sin(roll.value), np.cos(roll.value)
     st, ct = np.sin(pitch.value), np.cos(pitch.value)
     p = roll.rate - yaw.rate * st
@@ -176,7 +199,7 @@ def _body_rates(roll: _Jet, pitch: _Jet, yaw: _Jet) -> tuple[Samples, Samples]:
     p_rate = roll.second - yaw.second * st - yaw.rate * pitch.rate * ct
     q_rate = pitch.second * cf + yaw_term * sf + roll.rate * r
     r_rate = -pitch.second * sf + yaw_term * cf - roll.rate * q
-    return np.column_stack([p, q, r]), np.column_stack([p_rate, q_rate, r_rate])
+    return (p, q, r), (p_rate, q_rate, r_rate)
 
 
 def _rows(name: str, value: ArrayLike, tail: tuple[int, ...]) -> Samples:
@@ -190,7 +213,7 @@ def _rows(name: str, value: ArrayLike, tail: tuple[int, ...]) -> Samples:
             expected="shape (M, 3)" if tail else "shape (M,)",
             do="Give one row per time sample.",
         )
-    if not np.all(np.isfinite(samples)):
+    if not np.isfinite(samples).all():
         raise UserError(
             f"The flat output {name} is not finite everywhere.",
             where=name,
@@ -203,8 +226,8 @@ def _rows(name: str, value: ArrayLike, tail: tuple[int, ...]) -> Samples:
 
 def _check_lengths(samples: list[Samples]) -> None:
     """Raise a UserError unless all flat outputs have the same number of samples."""
-    counts = {name: len(array) for name, array in zip((*_PATH, *_YAW), samples, strict=True)}
-    if len(set(counts.values())) > 1:
+    if len({len(array) for array in samples}) > 1:
+        counts = {name: len(array) for name, array in zip((*_PATH, *_YAW), samples, strict=True)}
         raise UserError(
             "The flat outputs are not sampled at the same times.",
             where="position ... yaw_acceleration",
@@ -214,12 +237,13 @@ def _check_lengths(samples: list[Samples]) -> None:
         )
 
 
-def _check_tilt(w: Samples) -> None:
+def _check_tilt(w: Vectors) -> None:
     """Raise a UserError if a sample asks for free fall or a tilt of 89 deg or more."""
-    tilt = np.arctan2(np.hypot(w[:, 0], w[:, 1]), w[:, 2])
-    still = np.linalg.norm(w, axis=1) <= 1e-9
+    X, Y, Z = w
+    tilt = np.arctan2(np.hypot(X, Y), Z)
+    still = _length(w) <= 1e-9
     bad = still | (tilt >= TILT_LIMIT)
-    if not np.any(bad):
+    if not bad.any():
         return
     sample = int(np.argmax(bad))
     asked = "free fall (no thrust)" if still[sample] else f"{np.rad2deg(tilt[sample]):.1f} deg tilt"

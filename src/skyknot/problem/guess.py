@@ -120,9 +120,9 @@ def flat_lift(problem: Problem) -> Trajectory | None:
         return None
     T = problem.duration_guess
     s, shapes = _rest_to_rest()
-    flat = [(d / T**i)[:, None] * moves for i, d in enumerate(shapes)]
-    position, velocity, acceleration, jerk, snap = (f[:, :3] for f in flat)
-    yaw, yaw_rate, yaw_acceleration = (f[:, 3] for f in flat[:3])
+    flat = np.array([d / T**i for i, d in enumerate(shapes)])[:, :, None] * moves
+    position, velocity, acceleration, jerk, snap = flat[:, :, :3]
+    yaw, yaw_rate, yaw_acceleration = flat[:3, :, 3]
     try:
         states, controls = lift(
             problem.vehicle,
@@ -139,12 +139,12 @@ def flat_lift(problem: Problem) -> Trajectory | None:
         return None
     if not _by_wrench(problem):
         controls = problem.vehicle.rotor_thrusts(controls)
-    if controls.shape[1] != problem.nu or not np.all(np.isfinite(states)):
+    if controls.shape[1] != problem.nu or not np.isfinite(states).all():
         return None
     return Trajectory(
         T * s,
-        np.clip(states, problem.state_lower, problem.state_upper),
-        np.clip(controls, problem.control_lower, problem.control_upper),
+        states.clip(problem.state_lower, problem.state_upper),
+        controls.clip(problem.control_lower, problem.control_upper),
         state_names=problem.state_names,
         control_names=problem.control_names,
     )
