@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import platform
 import time
 from collections.abc import Mapping
@@ -329,7 +328,7 @@ def _versions() -> dict[str, str]:
 
 
 def _inputs_hash(program: Program) -> str:
-    digest = _hash_of(program.parametric_point, program.parametric_terminal).copy()
+    digest = program.functions_read.copy()
     p, rates = program, program.rates
     for array in (
         *(p.parameters, p.C, p.A, p.fractions, p.start),
@@ -338,15 +337,6 @@ def _inputs_hash(program: Program) -> str:
     ):
         digest.update(np.ascontiguousarray(array))
     return str(digest.hexdigest())
-
-
-@lru_cache(maxsize=32)
-def _hash_of(*functions: ca.Function) -> Any:
-    """Return the hash object that has read these functions; to be copied."""
-    digest = hashlib.sha256()
-    for function in functions:
-        digest.update(str(function.serialize()).encode())
-    return digest
 
 
 class _Stopwatch:

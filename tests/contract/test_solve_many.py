@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -182,3 +184,22 @@ def test_a_wrong_argument_is_refused_by_name_before_anything_is_solved(arguments
     for case, place in entry.items():
         if REFUSED[case][0] is arguments:
             assert caught.value.where.startswith(place)
+
+
+def test_casadi_is_left_alone_once_threads_share_the_problem(monkeypatch):
+    """It works without the interpreter's lock on reference counts that two threads destroy."""
+    threads = []
+
+    def watched(function):
+        def call(*arguments, **named):
+            threads.append(threading.current_thread())
+            return function(*arguments, **named)
+
+        return call
+
+    for name in ("cse", "jacobian", "gradient", "hessian"):
+        monkeypatch.setattr(ca, name, watched(getattr(ca, name)))
+    for name in ("__call__", "call", "serialize", "__hash__"):
+        monkeypatch.setattr(ca.Function, name, watched(getattr(ca.Function, name)))
+    sk.solve_many(PENDULUM, initials=STARTS, transcription=SCHEME, threads=2)
+    assert set(threads) == {threading.main_thread()}

@@ -7,15 +7,12 @@ the tape, over lanes of points: nothing of it holds the interpreter while other 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from skyknot.kernel.incidence import Chosen, Part, joined, summed
 from skyknot.kernel.program import ALL, Multipliers, Program
-from skyknot.kernel.tape import Tape
 
 Array = NDArray[np.float64]
 
@@ -41,16 +38,6 @@ class Evaluation:
     JM: Array
 
 
-@lru_cache(maxsize=32)
-def first_order(point: ca.Function) -> Tape:
-    """Return (x, u, q, τ, p) → (L, F, g, ∂L, ∂F, ∂g) with dense Jacobians over y = (x, u, q)."""
-    inputs = [ca.SX.sym(point.name_in(i), *point.size_in(i)) for i in range(5)]
-    values = [ca.densify(value) for value in point(*inputs)]
-    y = ca.vertcat(*inputs[:3])
-    jacobians = [ca.densify(ca.jacobian(e, y)) for e in values]
-    return Tape(ca.Function("first_order", inputs, ca.cse([*values, *jacobians])))
-
-
 def evaluate(program: Program, z: Array, points: Chosen = ALL) -> Evaluation:
     """Return values and first derivatives of the program at z.
 
@@ -62,11 +49,11 @@ def evaluate(program: Program, z: Array, points: Chosen = ALL) -> Evaluation:
     ny, q, p = nx + nu + nq, program.globals_of(z), program.parameters
     x, u = program.point_states(z, points), program.point_controls(z, points)
     P, tau = len(x), program.point_time[points]
-    L, F, g, JL, JF, Jg = first_order(program.parametric_point).evaluate(
+    L, F, g, JL, JF, Jg = program.slopes.point.evaluate(
         [x, u, _repeated(q, P), tau[:, None], _repeated(p, P)]
     )
     x_end = z[program.incidence.last]
-    M, JM = _terminal(program.parametric_terminal).evaluate([x_end[None], q[None], p[None]])
+    M, JM = program.slopes.terminal.evaluate([x_end[None], q[None], p[None]])
     return Evaluation(
         L=L[:, 0],
         F=F,
@@ -84,15 +71,6 @@ def _repeated(values: Array, count: int) -> Array:
     result = np.empty((count, len(values)))
     result[:] = values
     return result
-
-
-@lru_cache(maxsize=32)
-def _terminal(terminal: ca.Function) -> Tape:
-    """Return (x, q, p) → (M, ∂M) with the gradient over (x, q)."""
-    inputs = [ca.SX.sym(terminal.name_in(i), *terminal.size_in(i)) for i in range(3)]
-    M = ca.densify(terminal(*inputs))
-    slope = ca.densify(ca.gradient(M, ca.vertcat(*inputs[:2])))
-    return Tape(ca.Function("terminal", inputs, [M, slope]))
 
 
 def objective(program: Program, values: Evaluation) -> float:

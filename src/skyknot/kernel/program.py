@@ -18,8 +18,10 @@ an upper bound and negative at a lower one.
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -27,6 +29,7 @@ from numpy.typing import NDArray
 
 from skyknot.kernel.incidence import Chosen, Incidence
 from skyknot.kernel.layout import Layout
+from skyknot.kernel.slopes import Slopes, slopes_of
 
 Array = NDArray[np.float64]
 Offsets = NDArray[np.intp]
@@ -149,6 +152,19 @@ class Program:
         """Which entries of z the parts of the program read."""
         return Incidence.of(self)
 
+    @cached_property
+    def slopes(self) -> Slopes:
+        """Values and first derivatives of the point functions, as tapes."""
+        return slopes_of(self.parametric_point, self.parametric_terminal)
+
+    @cached_property
+    def functions_read(self) -> Any:
+        """A SHA-256 object of hashlib that has read the functions; to be copied."""
+        digest = hashlib.sha256()
+        for function in (self.parametric_point, self.parametric_terminal):
+            digest.update(str(function.serialize()).encode())
+        return digest
+
     @property
     def point_cost(self) -> Array:
         """(P,) cost weights c_j."""
@@ -175,7 +191,8 @@ class Program:
     def with_numbers(self, **numbers: Array) -> Program:
         """Return the same program with other bounds, start or parameters, by field."""
         other = replace(self, **numbers)  # type: ignore[arg-type]
-        other.__dict__["incidence"] = self.incidence
+        for made_once in ("incidence", "slopes", "functions_read"):
+            other.__dict__[made_once] = getattr(self, made_once)
         return other
 
     def starting_at(self, z: Array) -> Program:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skyknot.kernel import native
+from skyknot.kernel.evaluation import evaluate
 from skyknot.kernel.program import Multipliers, Program
 from skyknot.kernel.tape import Tape
 
@@ -221,19 +222,18 @@ class Rows:
         holds.
         """
         program, (lower, upper) = self.program, self.limits.path
-        nx, dropped = program.layout.nx, []
+        nx = program.layout.nx
         rows = [i for i, read in enumerate(self.path_columns) if all(c < nx for c in read)]
-        for point in self.limits.fixed_points if rows else ():
-            here = slice(point, point + 1)
-            x, u = program.point_states(z, here)[0], program.point_controls(z, here)[0]
-            q, tau = program.globals_of(z), program.point_time[point]
-            g = program.parametric_point(x, u, q, tau, program.parameters)[2]
-            holds = (lower[point, i] <= float(g[i]) <= upper[point, i] for i in rows)
-            dropped += [(point, i) for i, held in zip(rows, holds, strict=True) if held]
-        if not dropped:
+        points = self.limits.fixed_points
+        if not rows or not len(points):
+            return {}
+        g = evaluate(program, z, points).g[:, rows]
+        holds = (lower[points][:, rows] <= g) & (g <= upper[points][:, rows])
+        if not holds.any():
             return {}
         lower, upper = lower.copy(), upper.copy()
-        at = tuple(np.array(dropped).T)
+        where, which = np.nonzero(holds)
+        at = points[where], np.array(rows)[which]
         lower[at], upper[at] = -np.inf, np.inf
         return self.path_tables(lower, upper)
 
@@ -321,7 +321,7 @@ class _Limits:
         pinned[:nx, 0] = False
         self.pins = np.argwhere(pinned)
         fixed = (program.lower == program.upper)[program.incidence.point_states]
-        self.fixed_points = np.flatnonzero(fixed.all(axis=1)).tolist()
+        self.fixed_points = np.flatnonzero(fixed.all(axis=1))
         self.path = _relaxed(program)
         q = program.incidence.globals
         self.data: dict[str, Any] = {

@@ -23,9 +23,9 @@ class Family(Transcription):
 
     @classmethod
     def of(cls, scheme: Transcription, first: Program) -> Family:
-        """Return the family of a scheme's program."""
+        """Return the family of a scheme's program, with all that is made once for it."""
         settings = {entry.name: getattr(scheme, entry.name) for entry in fields(Transcription)}
-        return cls(**settings, first=first)
+        return cls(**settings, first=first.with_numbers())
 
     def program(self, problem: Problem, guess: Trajectory) -> Program:
         """Return the program of a problem of the family; see ``Transcription.again``."""
