@@ -1,10 +1,10 @@
 #include "elimination.hpp"
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
 #include "segment.hpp"
-#include "transpose.hpp"
 
 namespace skyknot::inline SKYKNOT_ISA {
 namespace {
@@ -17,19 +17,6 @@ struct Kept {
     std::vector<std::vector<int>> LU, N, HI;  // segment row of each entry; −1 zero, −2 one
     std::vector<int> inverse;
     int rows = 0;
-};
-
-// Where the workspace's values go, by groups of eight consecutive doubles.
-struct Chunks {
-    std::map<std::size_t, std::array<std::uint32_t, 8>> places;
-
-    void put(std::size_t offset, std::uint32_t place) { places[offset / 8 * 8][offset % 8] = place; }
-    std::vector<Elimination::Chunk> list() const {
-        std::vector<Elimination::Chunk> chunks;
-        for (const auto& [offset, eight] : places)
-            chunks.push_back({static_cast<std::uint32_t>(offset), eight});
-        return chunks;
-    }
 };
 
 struct Keeper {
@@ -81,6 +68,98 @@ std::vector<int> outside(const Segment& segment) {
     return w;
 }
 
+// What stands where in the stage vector w = (v, s): its y, or −1 where there is padding.
+std::vector<int> stage_order(const Segment& segment, const StageLayout& layout) {
+    std::vector<int> order(at(layout.wp), -1);
+    for (const int y : outside(segment))
+        if (const int place = segment.stage(layout, y); place >= 0) order[at(place)] = y;
+    return order;
+}
+
+// Eight entries from `first` of a list, zeros past its end.
+template <class Entry>
+Eight eight_from(int first, int count, Entry entry) {
+    Eight values{};
+    for (int j = 0; j < 8 && first + j < count; ++j) values[at(j)] = entry(first + j);
+    return values;
+}
+
+// The map to x_{k+1}, the last rows of T, with its columns of the globals.
+void write_map(Segment& segment, const StageLayout& layout, const Matrix& T) {
+    const Structure& S = segment.S;
+    const std::vector<int> order = stage_order(segment, layout);
+    const auto last = [&](int r) -> const std::vector<Value>& { return T[at((S.s - 2) * S.nx + r)]; };
+    for (int r = 0; r < S.nx; ++r)
+        for (int first = 0; first < layout.wp; first += 8)
+            segment.b.block(block::stage, layout.A(r, first), eight_from(first, layout.wp, [&](int w) {
+                return order[at(w)] < 0 ? Value{} : last(r)[at(order[at(w)])];
+            }));
+    for (int q = 0; q < S.nq; ++q)
+        for (int first = 0; first < S.nx; first += 8)
+            segment.b.block(block::stage, layout.rq(first, q), eight_from(first, S.nx, [&](int r) {
+                return last(r)[at(segment.q(q))];
+            }));
+}
+
+// The Hessian over w and q, H_ww + H_wI T + Tᵀ Ĝ with Ĝ = H_II T + H_Iw: column by column, eight
+// rows at a time, on and below the diagonal's blocks of eight.
+void write_hessian(Segment& segment, const StageLayout& layout, const Matrix& H, const Matrix& T) {
+    const Structure& S = segment.S;
+    Builder& b = segment.b;
+    const int nI = S.interior();
+    const std::vector<int> order = stage_order(segment, layout);
+    std::vector<std::vector<Row8>> rows(at(nI));  // T, eight columns of w at a time
+    const auto inside = [&](int y, int c, Value start) {  // start + H_yI T over column c
+        std::vector<Term> terms;
+        for (int i = 0; i < nI; ++i) terms.emplace_back(H[at(y)][at(S.nx + i)], T[at(i)][at(c)]);
+        return b.dot(terms, start);
+    };
+    for (int i = 0; i < nI; ++i) {
+        const auto& H_row = H[at(S.nx + i)];
+        if (std::all_of(H_row.begin(), H_row.end(), [](Value v) { return v.is_zero(); })) continue;
+        for (int first = 0; first < layout.wp; first += 8)
+            rows[at(i)].push_back(b.row8(eight_from(first, layout.wp, [&](int w) {
+                return order[at(w)] < 0 ? Value{} : T[at(i)][at(order[at(w)])];
+            })));
+    }
+    const auto column = [&](int c, int from, std::uint32_t target, auto offset) {
+        std::vector<Value> G(at(nI));
+        for (int i = 0; i < nI; ++i)
+            if (!rows[at(i)].empty()) G[at(i)] = inside(S.nx + i, c, H[at(S.nx + i)][at(c)]);
+        for (int first = from; first < layout.wp; first += 8) {
+            std::vector<std::pair<Value, Row8>> terms;
+            for (int i = 0; i < nI; ++i)
+                if (!G[at(i)].is_zero()) terms.emplace_back(G[at(i)], rows[at(i)][at(first / 8)]);
+            const Eight start = eight_from(first, layout.wp, [&](int w) {
+                return order[at(w)] < 0 ? Value{} : inside(order[at(w)], c, H[at(order[at(w)])][at(c)]);
+            });
+            b.panel(target, offset(first), start, terms);
+        }
+        return G;
+    };
+    for (int w = 0; w < layout.wp; ++w) {
+        if (w % 4 == 0) b.next_phase();
+        if (order[at(w)] >= 0)
+            column(order[at(w)], w / 8 * 8, block::hessian, [&](int first) { return layout.H(first, w); });
+    }
+    std::vector<Value> between(at(S.nq * S.nq));
+    for (int q = 0; q < S.nq; ++q) {
+        const int c = segment.q(q);
+        const std::vector<Value> G =
+            column(c, 0, block::stage, [&](int first) { return layout.gq(first, q); });
+        for (int p = 0; p < S.nq; ++p) {
+            std::vector<Term> terms;
+            for (int i = 0; i < nI; ++i) terms.emplace_back(T[at(i)][at(segment.q(p))], G[at(i)]);
+            between[at(p * S.nq + q)] =
+                b.dot(terms, inside(segment.q(p), c, H[at(segment.q(p))][at(c)]));
+        }
+    }
+    const int pairs = S.nq * S.nq;
+    for (int first = 0; first < pairs; first += 8)
+        b.block(block::stage, layout.Hqq(0, 0) + at(first),
+                eight_from(first, pairs, [&](int pair) { return between[at(pair)]; }));
+}
+
 Kept build_factor(Elimination& elimination, Segment& segment, const StageLayout& layout) {
     const Structure& S = segment.S;
     Builder& b = segment.b;
@@ -110,44 +189,8 @@ Kept build_factor(Elimination& elimination, Segment& segment, const StageLayout&
     for (Value value : factors.inverse) kept.inverse.push_back(keeper.keep(value));
     kept.rows = keeper.rows;
 
-    // G = H_{y,I} T, then Hw = H_ww + G_w + G_wᵀ + Tᵀ (G_I).
-    Matrix G = zeros(segment.ny(), segment.ny());
-    for (int y = 0; y < segment.ny(); ++y)
-        for (int c : w) {
-            std::vector<Term> terms;
-            for (int i = 0; i < nI; ++i) terms.emplace_back(H[at(y)][at(S.nx + i)], T[at(i)][at(c)]);
-            G[at(y)][at(c)] = b.dot(terms);
-        }
-    Chunks stage, hessian;
-    const auto entry = [&](Chunks& chunks, Value value, std::initializer_list<std::size_t> offsets) {
-        if (value.is_zero()) return;
-        for (const std::size_t offset : offsets) chunks.put(offset, b.place(value));
-    };
-    for (int r = 0; r < S.nx; ++r) {
-        const auto& row = T[at((S.s - 2) * S.nx + r)];
-        for (int y : w) {
-            const int place = segment.stage(layout, y);
-            if (place >= 0) entry(stage, row[at(y)], {layout.A(r, place)});
-            else entry(stage, row[at(y)], {layout.rq(r, y - segment.q(0))});
-        }
-    }
-    for (std::size_t k = 0; k < w.size(); ++k)
-        for (std::size_t l = 0; l <= k; ++l) {
-            const int a = w[k], c = w[l];
-            std::vector<Term> terms{{H[at(a)][at(c)], b.one()},
-                                    {G[at(a)][at(c)], b.one()},
-                                    {G[at(c)][at(a)], b.one()}};
-            for (int i = 0; i < nI; ++i) terms.emplace_back(T[at(i)][at(a)], G[at(S.nx + i)][at(c)]);
-            const Value value = b.dot(terms);
-            const int pa = segment.stage(layout, a), pc = segment.stage(layout, c);
-            const int qa = a - segment.q(0), qc = c - segment.q(0);
-            if (pa >= 0 && pc >= 0) entry(hessian, value, {layout.H(pa, pc), layout.H(pc, pa)});
-            else if (pa >= 0) entry(stage, value, {layout.gq(pa, qc)});
-            else if (pc >= 0) entry(stage, value, {layout.gq(pc, qa)});
-            else entry(stage, value, {layout.Hqq(qa, qc), layout.Hqq(qc, qa)});
-        }
-    elimination.matrix_chunks = stage.list();
-    elimination.hessian_chunks = hessian.list();
+    write_map(segment, layout, T);
+    write_hessian(segment, layout, H, T);
     elimination.factor = b.finish();
     return kept;
 }
@@ -187,19 +230,22 @@ void build_reduce(Elimination& elimination, const Structure& S, const Kept& kept
     // Tᵀ c_I = −Nᵀ M⁻ᵀ c_I: the factors and the sparse N are smaller than T.
     const std::vector<Value> pulled =
         solve_transposed(b, factors, {c.begin() + S.nx, c.begin() + S.nx + nI});
-    Chunks vector;
-    const std::vector<int> w = outside(segment);
-    for (int r = 0; r < S.nx; ++r)
-        vector.put(layout.r(r), b.place(m[at((S.s - 2) * S.nx + r)]));
-    for (int y : w) {
+    const auto reduced = [&](int y) {
         std::vector<Term> terms;
         for (int i = 0; i < nI; ++i) terms.emplace_back(N[at(i)][at(y)], pulled[at(i)]);
-        const Value value = b.dot(terms, c[at(y)], true);
-        const int place = segment.stage(layout, y);
-        if (place >= 0) vector.put(layout.g(place), b.place(value));
-        else elimination.global_places.push_back(b.place(value));
-    }
-    elimination.vector_chunks = vector.list();
+        return b.dot(terms, c[at(y)], true);
+    };
+    for (int first = 0; first < S.nx; first += 8)
+        b.block(block::vector, layout.r(first), eight_from(first, S.nx, [&](int r) {
+            return m[at((S.s - 2) * S.nx + r)];
+        }));
+    const std::vector<int> order = stage_order(segment, layout);
+    for (int first = 0; first < layout.wp; first += 8)
+        b.block(block::vector, layout.g(first), eight_from(first, layout.wp, [&](int w) {
+            return order[at(w)] < 0 ? Value{} : reduced(order[at(w)]);
+        }));
+    for (int q = 0; q < S.nq; ++q)
+        elimination.global_places.push_back(b.place(reduced(segment.q(q))));
     elimination.reduce = b.finish();
 }
 
@@ -258,18 +304,6 @@ Elimination::Elimination(const Structure& S, bool elastic) {
     segment_rows = static_cast<std::size_t>(kept.rows);
     build_reduce(*this, S, kept, elastic, layout);
     build_expand(*this, S, kept, elastic);
-}
-
-void Elimination::write(const std::vector<Chunk>& chunks, const double* workspace, double* to,
-                        std::size_t size, int filled) {
-    for (const auto& [offset, places] : chunks) {
-        Vector8Block block;
-        for (std::size_t i = 0; i < 8; ++i)
-            block.rows[i] = load_wide(workspace + std::size_t{places[i]} * lane_count);
-        block.transpose();
-        for (std::size_t lane = 0; lane < static_cast<std::size_t>(filled); ++lane)
-            store_wide(to + lane * size + offset, block.rows[lane]);
-    }
 }
 
 }  // namespace skyknot::inline SKYKNOT_ISA

@@ -7,7 +7,6 @@
 // Λ = −M⁻ᵀ (H δy + g)_I − M⁻ᵀ e_last π with π the gradient of the cost-to-go in x_{k+1}.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -35,6 +34,11 @@ enum : std::uint32_t {
 namespace target {
 enum : std::uint32_t { segment, step, defect };
 }
+// Blocks of the stages: `factor` writes the first two, `reduce` its only one.
+namespace block {
+enum : std::uint32_t { stage, hessian };
+enum : std::uint32_t { vector };
+}
 namespace scalar {
 enum : std::uint32_t { regularisation, elastic_weight, first_global };
 }
@@ -43,24 +47,15 @@ class Elimination {
 public:
     Elimination(const Structure& structure, bool elastic);
 
-    // `factor`: derivatives → segment rows and stage matrices.
+    // `factor`: derivatives → segment rows; the stage's block, and its Hessian on and below the
+    //     diagonal's blocks of eight.
     // `reduce`: gradient and defects → the stage's right-hand side.
     // `expand`: step of w and π → interior states and multipliers.
     MicroProgram factor, reduce, expand;
     std::size_t segment_rows = 0;
 
-    // Stage blocks are written eight segments at a time, transposed: eight consecutive doubles from
-    // `offset` of each segment's block come from these places of the workspace.
-    struct Chunk {
-        std::uint32_t offset;
-        std::array<std::uint32_t, 8> places;
-    };
-    std::vector<Chunk> matrix_chunks, hessian_chunks, vector_chunks;
-    // Places of each segment's share of the globals' gradient, after `reduce`.
+    // Places of each segment's share of the globals' gradient in the workspace, after `reduce`.
     std::vector<std::uint32_t> global_places;
-    // Writes the blocks of segments 0 … filled − 1, `size` doubles each, to `to`.
-    static void write(const std::vector<Chunk>& chunks, const double* workspace, double* to,
-                      std::size_t size, int filled);
 };
 
 }  // namespace skyknot::inline SKYKNOT_ISA

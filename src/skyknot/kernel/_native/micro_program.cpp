@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <map>
 
+#include "transpose.hpp"
 #include "vector8.hpp"
 
 namespace skyknot::inline SKYKNOT_ISA {
 
 // Code: a run is [kind | terms << 4, length] followed by `length` instructions of that shape, each
-// [result, start (when it has one), pairs of factors …], or [slot, buffer, offset low, offset high].
+// [result, start (when it has one), pairs of factors …], [slot, buffer, offset low, offset high], or
+// [target, offset low, offset high, eight slots (when it has them), pairs of factor and row …].
 // Slots are offsets in doubles.
 namespace {
 
@@ -55,20 +57,73 @@ inline const Code* run_dots(const Code* at, std::uint32_t length, double* w, std
     }
 }
 
+// Lane l of the eight vectors goes to block l, side by side.
+SKYKNOT_INLINE void write_block(Vector8Block& eight, double* to, std::size_t stride, int filled) {
+    eight.transpose();
+    if (filled == lane_count) {
+        for (std::size_t lane = 0; lane < lane_count; ++lane)
+            store_wide(to + lane * stride, eight.rows[lane]);
+        return;
+    }
+    for (std::size_t lane = 0; lane < static_cast<std::size_t>(filled); ++lane)
+        store_wide(to + lane * stride, eight.rows[lane]);
+}
+
+// One native vector of lanes after the other: eight sums stay in registers, whatever their width.
+template <bool start, class Code>
+[[gnu::always_inline]] inline void sum_rows(const Code* from, const Code* at, std::uint32_t terms,
+                                            const double* w, Vector8Block& eight) {
+    using Native = Lanes<native_width>;
+    for (int part = 0; part < lane_count; part += native_width) {
+        Native sum[8];
+        for (int j = 0; j < 8; ++j)
+            sum[j] = start ? Native::load(w + from[j] + part) : Native{};
+        const Code* pair = at;
+        for (std::uint32_t t = 0; t < terms; ++t, pair += 2) {
+            const Native factor = Native::load(w + pair[0] + part);
+            const double* row = w + pair[1] + part;
+            for (int j = 0; j < 8; ++j)
+                sum[j] = fused(factor, Native::load(row + 8 * j), sum[j]);
+        }
+        for (int j = 0; j < 8; ++j)
+            std::memcpy(reinterpret_cast<double*>(&eight.rows[j]) + part, &sum[j].vector,
+                        sizeof sum[j].vector);
+    }
+}
+
+template <bool start, class Code>
+[[gnu::noinline]] const Code* panels(const Code* at, std::uint32_t length, std::uint32_t terms,
+                                     const double* w, const Blocks* blocks, int filled) {
+    for (std::uint32_t i = 0; i < length; ++i) {
+        const Blocks& to = blocks[at[0]];
+        double* const place = to.at + offset_at(at + 1);
+        const Code* const from = at + 3;
+        at = from + (start ? 8 : 0);
+        Vector8Block eight;
+        sum_rows<start>(from, at, terms, w, eight);
+        at += 2 * terms;
+        write_block(eight, place, to.stride, filled);
+    }
+    return at;
+}
+
 }  // namespace
 
 void MicroProgram::run(const double* const* sources, double* const* targets, const double* scalars,
-                       std::ptrdiff_t first, double* w) const {
+                       std::ptrdiff_t first, double* w, const Blocks* blocks, int filled) const {
     for (const auto& [slot, value] : constants_) store8(w + slot, broadcast8(value));
     if (wide_.empty())
-        run(narrow_.data(), narrow_.data() + narrow_.size(), sources, targets, scalars, first, w);
-    else run(wide_.data(), wide_.data() + wide_.size(), sources, targets, scalars, first, w);
+        run(narrow_.data(), narrow_.data() + narrow_.size(), sources, targets, scalars, first, w,
+            blocks, filled);
+    else
+        run(wide_.data(), wide_.data() + wide_.size(), sources, targets, scalars, first, w, blocks,
+            filled);
 }
 
 template <class Code>
 void MicroProgram::run(const Code* at, const Code* end, const double* const* sources,
                        double* const* targets, const double* scalars, std::ptrdiff_t first,
-                       double* w) const {
+                       double* w, const Blocks* blocks, int filled) const {
     while (at != end) {
         const std::uint32_t head = at[0], length = at[1], terms = head >> 4;
         at += 2;
@@ -94,12 +149,27 @@ void MicroProgram::run(const Code* at, const Code* end, const double* const* sou
             case Builder::store:
                 for (std::uint32_t i = 0; i < length; ++i, at += 4)
                     store8(targets[at[1]] + offset_at(at + 2) + first, load8(w + at[0]));
+                break;
+            case Builder::block_store:
+                for (std::uint32_t i = 0; i < length; ++i, at += 11) {
+                    Vector8Block eight;
+                    for (int j = 0; j < 8; ++j) eight.rows[j] = load_wide(w + at[3 + j]);
+                    const Blocks& to = blocks[at[0]];
+                    write_block(eight, to.at + offset_at(at + 1), to.stride, filled);
+                }
+                break;
+            case Builder::panel_store:
+                at = panels<false>(at, length, terms, w, blocks, filled);
+                break;
+            case Builder::panel_start_store:
+                at = panels<true>(at, length, terms, w, blocks, filled);
         }
     }
 }
 
 Value Builder::record(Step step) {
     step.result = values_++;
+    step.phase = phase_;
     steps_.push_back(std::move(step));
     return {values_ - 1};
 }
@@ -156,66 +226,120 @@ Value Builder::reciprocal(Value a) {
     return record({invert, 0, a.id, 0, 0, {}});
 }
 
+void Builder::write(Step step) {
+    step.result = -1;
+    step.phase = phase_;
+    steps_.push_back(std::move(step));
+}
+
 void Builder::output(std::uint32_t target, std::size_t offset, Value value) {
     if (value.is_zero()) return;
-    steps_.push_back({store, -1, value.id, target, static_cast<std::uint32_t>(offset), {}});
+    write({store, -1, value.id, target, static_cast<std::uint32_t>(offset), {}});
 }
 
 std::uint32_t Builder::place(Value value) {
     if (value.is_zero()) return 0;
-    const auto next = static_cast<std::uint32_t>(placed_.size() + 1);
-    const auto [found, fresh] = places_.emplace(value.id, next);
-    if (fresh) placed_.push_back(value.id);
+    const auto [found, fresh] = homes_.emplace(value.id, lane_count * next_home_);
+    if (fresh) ++next_home_;
     return found->second;
 }
 
-// Steps that something needs, in runs of one shape: always the shape with most steps ready.
+Row8 Builder::row8(const Eight& values) {
+    Eight kept{};
+    for (std::size_t j = 0; j < 8; ++j) {
+        if (values[j].is_zero()) continue;
+        kept[j] = values[j];
+        if (homes_.contains(kept[j].id))  // already elsewhere: a copy
+            kept[j] = record({dot_add, 0, -1, 0, 0, {{one().id, kept[j].id}}});
+        homes_.emplace(kept[j].id, lane_count * (next_home_ + static_cast<std::uint32_t>(j)));
+    }
+    rows8_.push_back(kept);
+    rows8_places_.push_back(lane_count * next_home_);
+    next_home_ += 8;
+    return {static_cast<std::uint32_t>(rows8_.size() - 1)};
+}
+
+void Builder::block(std::uint32_t target, std::size_t offset, const Eight& values) {
+    const auto is_zero = [](Value value) { return value.is_zero(); };
+    if (std::all_of(values.begin(), values.end(), is_zero)) return;
+    write({block_store, -1, -1, target, static_cast<std::uint32_t>(offset), {}, values});
+}
+
+void Builder::panel(std::uint32_t target, std::size_t offset, const Eight& start,
+                    const std::vector<std::pair<Value, Row8>>& terms) {
+    const auto is_zero = [](Value value) { return value.is_zero(); };
+    const bool starts = !std::all_of(start.begin(), start.end(), is_zero);
+    Step step{starts ? panel_start_store : panel_store, -1, -1, target,
+              static_cast<std::uint32_t>(offset), {}, start};
+    for (const auto& [factor, row] : terms) {
+        const Eight& values = rows8_[row.number];
+        if (factor.is_zero() || std::all_of(values.begin(), values.end(), is_zero)) continue;
+        step.terms.emplace_back(factor.id, static_cast<std::int32_t>(row.number));
+    }
+    if (step.terms.empty()) block(target, offset, start);
+    else write(std::move(step));
+}
+
+template <class Visit>
+void Builder::visit_operands(const Step& step, Visit visit) const {
+    const auto see = [&](Value value) {
+        if (!value.is_zero()) visit(value.id);
+    };
+    see({step.start});
+    for (const Value value : step.eight) see(value);
+    for (const auto& [a, b] : step.terms) {
+        see({a});
+        if (!step.is_panel()) see({b});
+        else
+            for (const Value value : rows8_[static_cast<std::size_t>(b)]) see(value);
+    }
+}
+
+// Steps that something needs, phase after phase, in runs of one shape: always the shape with most
+// steps ready.
 std::vector<std::size_t> Builder::scheduled() const {
     const auto values = static_cast<std::size_t>(values_);
     std::vector<std::ptrdiff_t> maker(values, -1);
     for (std::size_t i = 0; i < steps_.size(); ++i)
-        if (steps_[i].kind != store) maker[static_cast<std::size_t>(steps_[i].result)] =
+        if (!steps_[i].writes()) maker[static_cast<std::size_t>(steps_[i].result)] =
             static_cast<std::ptrdiff_t>(i);
     const auto operands = [&](std::size_t i, auto&& visit) {
-        const auto see = [&](std::int32_t id) {
-            if (id >= 0 && maker[static_cast<std::size_t>(id)] >= 0)
-                visit(static_cast<std::size_t>(maker[static_cast<std::size_t>(id)]));
-        };
-        see(steps_[i].start);
-        for (const auto& [a, b] : steps_[i].terms) see(a), see(b);
+        visit_operands(steps_[i], [&](std::int32_t id) {
+            const std::ptrdiff_t from = maker[static_cast<std::size_t>(id)];
+            if (from >= 0) visit(static_cast<std::size_t>(from));
+        });
     };
     std::vector<char> needed(steps_.size(), 0);
-    for (const std::int32_t id : placed_)
+    for (const auto& [id, slot] : homes_)
         if (const std::ptrdiff_t from = maker[static_cast<std::size_t>(id)]; from >= 0)
             needed[static_cast<std::size_t>(from)] = 1;
     for (std::size_t i = steps_.size(); i-- > 0;)
-        if (steps_[i].kind == store || needed[i]) {
+        if (steps_[i].writes() || needed[i]) {
             needed[i] = 1;
             operands(i, [&](std::size_t maker_step) { needed[maker_step] = 1; });
         }
     std::vector<std::size_t> waiting(steps_.size(), 0);
     std::vector<std::vector<std::size_t>> users(steps_.size());
-    std::map<std::uint32_t, std::vector<std::size_t>> ready;
-    const auto shape = [&](std::size_t i) {
-        return static_cast<std::uint32_t>(steps_[i].kind) |
-               static_cast<std::uint32_t>(steps_[i].terms.size()) << 4;
-    };
+    std::map<std::uint32_t, std::map<std::uint32_t, std::vector<std::size_t>>> ready;
+    const auto be_ready = [&](std::size_t i) { ready[steps_[i].phase][shape(steps_[i])].push_back(i); };
     for (std::size_t i = 0; i < steps_.size(); ++i) {
         if (!needed[i]) continue;
         operands(i, [&](std::size_t from) { ++waiting[i], users[from].push_back(i); });
-        if (waiting[i] == 0) ready[shape(i)].push_back(i);
+        if (waiting[i] == 0) be_ready(i);
     }
     std::vector<std::size_t> order;
     while (!ready.empty()) {
-        auto best = ready.begin();
-        for (auto it = ready.begin(); it != ready.end(); ++it)
+        auto& shapes = ready.begin()->second;
+        auto best = shapes.begin();
+        for (auto it = shapes.begin(); it != shapes.end(); ++it)
             if (it->second.size() > best->second.size()) best = it;
         const std::vector<std::size_t> run = std::move(best->second);
-        ready.erase(best);
+        shapes.erase(best);
+        if (shapes.empty()) ready.erase(ready.begin());
         for (const std::size_t i : run) {
             order.push_back(i);
             for (const std::size_t user : users[i])
-                if (--waiting[user] == 0) ready[shape(user)].push_back(user);
+                if (--waiting[user] == 0) be_ready(user);
         }
     }
     return order;
@@ -234,62 +358,67 @@ MicroProgram Builder::finish() {
 std::vector<std::uint32_t> Builder::encode(const std::vector<std::size_t>& order,
                                            MicroProgram& program) {
     std::vector<std::size_t> last(static_cast<std::size_t>(values_), 0);
-    const auto touch = [&](std::int32_t id, std::size_t place) {
-        if (id >= 0) last[static_cast<std::size_t>(id)] = place;
-    };
-    for (std::size_t place = 0; place < order.size(); ++place) {
-        touch(steps_[order[place]].start, place);
-        for (const auto& [a, b] : steps_[order[place]].terms) touch(a, place), touch(b, place);
-    }
+    for (std::size_t place = 0; place < order.size(); ++place)
+        visit_operands(steps_[order[place]],
+                       [&](std::int32_t id) { last[static_cast<std::size_t>(id)] = place; });
     std::vector<std::uint32_t> slot(static_cast<std::size_t>(values_), none), free_slots;
-    program.slots_ = placed_.size() + 1;
-    for (std::size_t i = 0; i < placed_.size(); ++i) {
-        slot[static_cast<std::size_t>(placed_[i])] = static_cast<std::uint32_t>(lane_count * (i + 1));
-        touch(placed_[i], order.size());
-    }
+    program.slots_ = next_home_;
+    const auto keep = [&](std::int32_t id) { last[static_cast<std::size_t>(id)] = order.size(); };
+    for (const auto& [id, home] : homes_) slot[static_cast<std::size_t>(id)] = home, keep(id);
     const auto take = [&](std::int32_t id) {
         std::uint32_t& mine = slot[static_cast<std::size_t>(id)];
         if (mine != none) return;
         if (free_slots.empty()) mine = static_cast<std::uint32_t>(lane_count * program.slots_++);
         else mine = free_slots.back(), free_slots.pop_back();
     };
-    const auto of = [&](std::int32_t id) { return slot[static_cast<std::size_t>(id)]; };
+    const auto of = [&](std::int32_t id) { return id < 0 ? 0 : slot[static_cast<std::size_t>(id)]; };
     for (const auto& [id, value] : constants_) {
-        touch(id, order.size());
+        keep(id);
         take(id);
         program.constants_.emplace_back(of(id), value);
     }
     std::vector<std::uint32_t> code;
     std::size_t run = 0;
-    std::uint32_t shape = none;
+    std::uint32_t now = none;
     for (std::size_t place = 0; place < order.size(); ++place) {
         const Step& step = steps_[order[place]];
-        const std::uint32_t head = static_cast<std::uint32_t>(step.kind) |
-                                   static_cast<std::uint32_t>(step.terms.size()) << 4;
-        if (head != shape || code[run] == longest_run) {
-            shape = head;
-            code.insert(code.end(), {head, 0});
+        if (shape(step) != now || code[run] == longest_run) {
+            now = shape(step);
+            code.insert(code.end(), {now, 0});
             run = code.size() - 1;
         }
         ++code[run];
-        if (step.kind != store) take(step.result);
-        code.push_back(of(step.kind == store ? step.start : step.result));
-        if (step.kind == load || step.kind == store)
-            code.insert(code.end(), {step.buffer, step.offset & 0xffffu, step.offset >> 16});
-        else if (step.kind == scalar_load) code.push_back(step.buffer);
-        else if (step.start >= 0) code.push_back(of(step.start));
-        for (const auto& [a, b] : step.terms) code.insert(code.end(), {of(a), of(b)});
-        program.multiplications_ += step.terms.size();
-        const auto release = [&](std::int32_t id) {
-            if (id < 0 || last[static_cast<std::size_t>(id)] != place) return;
+        if (!step.writes()) take(step.result);
+        write_code(step, of, code);
+        program.multiplications_ += step.terms.size() * (step.is_panel() ? 8 : 1);
+        visit_operands(step, [&](std::int32_t id) {
+            if (last[static_cast<std::size_t>(id)] != place) return;
             std::uint32_t& s = slot[static_cast<std::size_t>(id)];
             if (s != none) free_slots.push_back(s);
             s = none;
-        };
-        release(step.start);
-        for (const auto& [a, b] : step.terms) release(a), release(b);
+        });
     }
     return code;
+}
+
+template <class SlotOf>
+void Builder::write_code(const Step& step, SlotOf of, std::vector<std::uint32_t>& code) const {
+    const auto to_place = [&] {
+        code.insert(code.end(), {step.buffer, step.offset & 0xffffu, step.offset >> 16});
+    };
+    if (step.kind >= block_store) {
+        to_place();
+        if (step.kind != panel_store)
+            for (const Value value : step.eight) code.push_back(of(value.id));
+        for (const auto& [factor, row] : step.terms)
+            code.insert(code.end(), {of(factor), rows8_places_[static_cast<std::size_t>(row)]});
+        return;
+    }
+    code.push_back(of(step.kind == store ? step.start : step.result));
+    if (step.kind == load || step.kind == store) to_place();
+    else if (step.kind == scalar_load) code.push_back(step.buffer);
+    else if (step.start >= 0) code.push_back(of(step.start));
+    for (const auto& [a, b] : step.terms) code.insert(code.end(), {of(a), of(b)});
 }
 
 }  // namespace skyknot::inline SKYKNOT_ISA

@@ -6,6 +6,7 @@
 // gives every value a slot of eight lanes, reusing slots whose value is no longer needed.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -25,15 +26,28 @@ struct Value {
 };
 
 using Term = std::pair<Value, Value>;
+using Eight = std::array<Value, 8>;
+
+// Eight values that stand side by side in the workspace.
+struct Row8 {
+    std::uint32_t number;
+};
+
+// Blocks of eight segments, one after the other, that a program writes to segment by segment.
+struct Blocks {
+    double* at;          // the first segment's block
+    std::size_t stride;  // from one segment's block to the next, in doubles
+};
 
 class MicroProgram {
 public:
     // Runs the instructions for segments first … first + 7. `sources[i]` and `targets[i]` are row
-    // buffers; an instruction adds its own row offset and `first`. `scalars` are broadcast. Placed
-    // values stand at the front of the workspace, eight lanes each; its first eight are zeros and
-    // must be so before the first run.
+    // buffers; an instruction adds its own row offset and `first`. `scalars` are broadcast. Rows of
+    // eight, then placed values, stand at the front of the workspace, which must be zero before the
+    // first run and serve no other program. Of `blocks`, the first `filled` are written.
     void run(const double* const* sources, double* const* targets, const double* scalars,
-             std::ptrdiff_t first, double* workspace) const;
+             std::ptrdiff_t first, double* workspace, const Blocks* blocks = nullptr,
+             int filled = 0) const;
 
     std::size_t slots() const { return slots_; }
     std::size_t multiplications() const { return multiplications_; }
@@ -42,7 +56,8 @@ private:
     friend class Builder;
     template <class Code>
     void run(const Code* at, const Code* end, const double* const* sources, double* const* targets,
-             const double* scalars, std::ptrdiff_t first, double* workspace) const;
+             const double* scalars, std::ptrdiff_t first, double* workspace, const Blocks* blocks,
+             int filled) const;
     // Half the bytes where sixteen bits are enough: the code streams past the first-level cache.
     std::vector<std::uint16_t> narrow_;
     std::vector<std::uint32_t> wide_;
@@ -71,9 +86,18 @@ public:
     Value reciprocal(Value a);
     // Written at `offset` doubles (+ first) of target `target`.
     void output(std::uint32_t target, std::size_t offset, Value value);
-    // Kept at the front of the workspace until the next run: returns its place there, in groups of
-    // eight lanes; 0, where zeros stand, for a structural zero.
+    // Kept in the workspace until the next run: returns where, in doubles; 0, where zeros stand, for
+    // a structural zero.
     std::uint32_t place(Value value);
+    // Values kept side by side, for `panel`.
+    Row8 row8(const Eight& values);
+    // Written side by side at `offset` of every segment's block of `target`.
+    void block(std::uint32_t target, std::size_t offset, const Eight& values);
+    // The same of start + Σ a row: a row of a product of two matrices, without a slot for its sums.
+    void panel(std::uint32_t target, std::size_t offset, const Eight& start,
+               const std::vector<std::pair<Value, Row8>>& terms);
+    // What is recorded from here on runs after all that stands before.
+    void next_phase() { ++phase_; }
 
     Value one() { return constant(1.0); }
     bool is_one(Value v) const { return !v.is_zero() && v.id == one_; }
@@ -88,7 +112,10 @@ public:
         dot_subtract,
         dot_subtract_start,
         invert,
-        store
+        store,
+        block_store,
+        panel_store,
+        panel_start_store
     };
 
 private:
@@ -97,10 +124,24 @@ private:
         std::int32_t result, start;
         std::uint32_t buffer;
         std::uint32_t offset;
+        // pairs of factors; of a panel, a factor and the number of a row
         std::vector<std::pair<std::int32_t, std::int32_t>> terms;
+        Eight eight{};  // what a block is written from, or a panel starts from
+        std::uint32_t phase = 0;
+        bool writes() const { return kind >= store; }
+        bool is_panel() const { return kind == panel_store || kind == panel_start_store; }
     };
     Value record(Step step);
+    void write(Step step);
     Value read(std::uint32_t source, std::uint32_t offset);
+    template <class Visit>
+    void visit_operands(const Step& step, Visit visit) const;
+    static std::uint32_t shape(const Step& step) {
+        return static_cast<std::uint32_t>(step.kind) |
+               static_cast<std::uint32_t>(step.terms.size()) << 4;
+    }
+    template <class SlotOf>
+    void write_code(const Step& step, SlotOf of, std::vector<std::uint32_t>& code) const;
     std::vector<std::uint32_t> encode(const std::vector<std::size_t>& order, MicroProgram& program);
     std::vector<std::size_t> scheduled() const;
 
@@ -110,8 +151,12 @@ private:
     std::vector<std::pair<std::int32_t, double>> constants_;
     std::unordered_map<std::uint64_t, std::int32_t> inputs_;
     std::map<std::vector<std::int32_t>, std::int32_t> dots_;  // said once, computed once
-    std::vector<std::int32_t> placed_;                        // values, from place 1 on
-    std::unordered_map<std::int32_t, std::uint32_t> places_;
+    std::vector<Eight> rows8_;
+    std::vector<std::uint32_t> rows8_places_;
+    // Values that keep a slot of their own: those of rows of eight, and placed ones; slot by value.
+    std::unordered_map<std::int32_t, std::uint32_t> homes_;
+    std::uint32_t next_home_ = 1;  // slot 0 holds zeros
+    std::uint32_t phase_ = 0;
 };
 
 }  // namespace skyknot::inline SKYKNOT_ISA

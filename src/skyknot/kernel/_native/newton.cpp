@@ -59,9 +59,9 @@ Newton::Newton(Points& points, const Tape& terminal, bool elastic)
       factor_sources_(source::first_class + 2 * at(S_.classes())),
       nu_(S_, S_.nx),
       terminal_workspace_(make_workspace(terminal.workspace_size(8))),
-      program_workspace_(make_workspace(
-          lane_count * std::max({elimination_.factor.slots(), elimination_.reduce.slots(),
-                                 elimination_.expand.slots()}))),
+      factor_workspace_(make_workspace(lane_count * elimination_.factor.slots())),
+      reduce_workspace_(make_workspace(lane_count * elimination_.reduce.slots())),
+      expand_workspace_(make_workspace(lane_count * elimination_.expand.slots())),
       terminal_hessian_(at((S_.nx + S_.nq) * (S_.nx + S_.nq))) {
     for (int i = 0; i < S_.nq; ++i) border_.push_back(riccati_.right_side());
     for (int c = 0; c < S_.classes(); ++c) {
@@ -101,15 +101,14 @@ void Newton::right_side(const RowBuffer& g, const RowBuffer& d, Riccati::RightSi
     const double scalars[] = {regularisation, elastic_weight};
     for (int first = 0; first < S_.N; first += lane_count) {
         sources[source::segment] = segment_block(first);
-        double* const w = program_workspace_.get();
-        elimination_.reduce.run(sources, nullptr, scalars, first, w);
+        double* const w = reduce_workspace_.get();
         const int filled = std::min(lane_count, S_.N - first);
-        Elimination::write(elimination_.vector_chunks, w,
-                           right.stages.get() + at(first) * layout.vector_size(),
-                           layout.vector_size(), filled);
+        const Blocks blocks[] = {
+            {right.stages.get() + at(first) * layout.vector_size(), layout.vector_size()}};
+        elimination_.reduce.run(sources, nullptr, scalars, first, w, blocks, filled);
         for (std::size_t i = 0; i < elimination_.global_places.size(); ++i)
             for (int lane = 0; lane < filled; ++lane)
-                g_q[i] += w[std::size_t{elimination_.global_places[i]} * lane_count + at(lane)];
+                g_q[i] += w[elimination_.global_places[i] + at(lane)];
     }
     double* last = right.terminal.get();
     for (int i = 0; i < S_.nx; ++i) last[i] = g.row(S_.state_row(0, i))[S_.N];
@@ -182,7 +181,7 @@ void Newton::structured_solve(const RowBuffer& g, const double* g_q, const RowBu
     for (int first = 0; first < S_.N; first += lane_count) {
         sources[source::segment] = segment_block(first);
         double* const targets[] = {nullptr, step.origin(), lambda.origin()};
-        elimination_.expand.run(sources, targets, scalars.data(), first, program_workspace_.get());
+        elimination_.expand.run(sources, targets, scalars.data(), first, expand_workspace_.get());
     }
     clear_padding(lambda);
     for (int row = S_.nx; row < S_.interior(); ++row)

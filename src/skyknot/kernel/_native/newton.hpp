@@ -116,7 +116,7 @@ private:
     std::vector<RowBuffer> y_, out_, F_;
     RowBuffer nu_;
     std::vector<RowBuffer> t_;
-    Workspace terminal_workspace_, program_workspace_;
+    Workspace terminal_workspace_, factor_workspace_, reduce_workspace_, expand_workspace_;
     std::vector<double> terminal_hessian_;
 };
 

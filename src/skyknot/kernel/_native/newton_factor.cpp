@@ -59,12 +59,11 @@ bool Newton::factor_blocks(const std::vector<const double*>& sources) {
     const StageLayout& layout = riccati_.layout();
     for (int first = (S_.N - 1) / lane_count * lane_count; first >= 0; first -= lane_count) {
         double* const targets[] = {segment_block(first), nullptr, nullptr};
-        double* const w = program_workspace_.get();
-        elimination_.factor.run(sources.data(), targets, scalars, first, w);
         const int filled = std::min(lane_count, S_.N - first);
-        Elimination::write(elimination_.matrix_chunks, w, riccati_.stage(first), layout.size(), filled);
-        Elimination::write(elimination_.hessian_chunks, w, riccati_.hessian(first),
-                           layout.hessian_size(), filled);
+        const Blocks blocks[] = {{riccati_.stage(first), layout.size()},
+                                 {riccati_.hessian(first), layout.hessian_size()}};
+        elimination_.factor.run(sources.data(), targets, scalars, first, factor_workspace_.get(),
+                                blocks, filled);
         for (int k = first + filled - 1; k >= first; --k)
             if (!riccati_.factor_stage(k)) {
                 riccati_.failed_stage = k;
