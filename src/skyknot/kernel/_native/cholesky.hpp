@@ -63,6 +63,26 @@ inline void solve_rows(const double* L, double* rows, int ld, int count, const d
     }
 }
 
+// L⁻¹ of eight by eight, row-major, from L's first `count` columns; rows past them are zero.
+[[gnu::noinline]] inline void invert_rows(const double* L, int ld, int count, const double* inverse,
+                                          double* to) {
+    constexpr Wide lane = {0, 1, 2, 3, 4, 5, 6, 7};
+    Wide row[8];
+#pragma GCC unroll 8
+    for (int p = 0; p < 8; ++p) row[p] = lane == double(p) ? Wide{} + 1.0 : Wide{};
+#pragma GCC unroll 8
+    for (int p = 0; p < 8; ++p) {
+        if (p >= count) {
+            store_wide(to + 8 * p, Wide{});
+            continue;
+        }
+        row[p] *= inverse[p];
+        store_wide(to + 8 * p, row[p]);
+#pragma GCC unroll 8
+        for (int j = p + 1; j < 8; ++j) row[j] -= row[p] * L[p * ld + j];
+    }
+}
+
 // `rows` rows, a multiple of eight, of `count` ≤ 8 columns.
 inline bool factor_panel(double* columns, int ld, int rows, int count, double* inverse) {
     const bool done = rows >= 24   ? factor_columns<3>(columns, ld, count, inverse)

@@ -39,7 +39,7 @@ void Riccati::policy(int k, int rows, double* K) const {
         for (int p = nv - 1; p >= 0; --p) {
             double sum = L(k)[p * wp + vp + j];
             for (int i = p + 1; i < nv; ++i) sum -= L(k)[p * wp + i] * v[at(i)];
-            v[at(p)] = sum * inverse_[at(k * vp + p)];
+            v[at(p)] = sum / L(k)[p * wp + p];
         }
         for (int i = 0; i < rows; ++i) K[i * nx + j] = v[at(i)];
     }

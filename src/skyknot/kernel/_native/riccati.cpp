@@ -30,10 +30,13 @@ Riccati::Riccati(const Structure& structure, bool elastic)
       hessians_(make_workspace(8 * layout_.hessian_size())),
       P_(make_workspace(size(N_ + 1) * size(layout_.sp, layout_.ns))),
       L_(make_workspace(size(N_) * size(layout_.wp, layout_.nv))),
-      inverse_(make_workspace(size(N_, layout_.vp))),
+      inverse_(make_workspace(8 * size(N_, layout_.vp))),
+      carry_(make_workspace(size(layout_.ns - layout_.nx, layout_.wp))),
       M_(make_workspace(size(layout_.sp, layout_.wp))),
       first_(size(layout_.ns, layout_.ns)) {
     free_.reserve(size(layout_.ns));
+    for (int i = 0; i < layout_.ns - layout_.nx; ++i)
+        carry_[size(i * layout_.wp + structure_.v_carried(i))] = 1.0;
 }
 
 bool Riccati::factor_stage(int k) {
@@ -57,12 +60,13 @@ bool Riccati::factor_stage(int k) {
     multiply({H, wp}, A, wp, M, 1, sp, Lk, wp, wp, nx, nv);
     for (int j = 0; j < nv; ++j)
         for (int i = 0; i < carried; ++i) Lk[j * wp + structure_.v_carried(i)] += M[j * sp + nx + i];
-    double* inverse = inverse_.get() + k * vp;
+    double pivots[8];  // 1 / L_ii
     for (int p = 0; p < nv; p += 8) {
         double* panel = Lk + p * wp + p;
         const int rows = wp - p, count = std::min(8, nv - p);
         multiply_add(Lk + p, wp, Lk + p, wp, 1, panel, wp, rows, p, count, -1.0);
-        if (!factor_panel(panel, wp, rows, count, inverse + p)) return false;
+        if (!factor_panel(panel, wp, rows, count, pivots)) return false;
+        invert_rows(panel, wp, count, pivots, inverse(k) + 8 * p);
         for (int j = 0; j < count; ++j) std::fill_n(Lk + (p + j) * wp, p, 0.0);
     }
     // P = C_ss − L_sv L_svᵀ: eight columns from their diagonal block down, mirrored to the right
@@ -116,19 +120,19 @@ void Riccati::backward(RightSide& right) const {
         double* g = right.stages.get() + size(k) * layout_.vector_size();
         const double* r = g + wp;
         const double* A = stage(k) + layout_.A(0, 0);
-        multiply({right.p.get() + (k + 1) * sp, 0}, P(k + 1), sp, r, 1, 0, t, sp, sp, nx, 1);
+        multiply_vector(right.p.get() + (k + 1) * sp, P(k + 1), sp, r, t, sp, nx);
         // the right-hand side itself must survive refinement: work on a copy in w
         double* work = right.w.get() + k * wp;
-        multiply({g, 0}, A, wp, t, 1, 0, work, wp, wp, nx, 1);
-        for (int i = 0; i < ns - nx; ++i) work[structure_.v_carried(i)] += t[nx + i];
-        const double* Lk = L(k);
-        const double* inverse = inverse_.get() + k * vp;
+        multiply_vector(g, A, wp, t, work, wp, nx);
+        if (ns > nx) multiply_vector(work, carry_.get(), wp, t + nx, work, vp, ns - nx);
         double* y = right.y.get() + k * vp;
-        for (int p = 0; p < nv; ++p) {
-            const double value = work[p] * inverse[p];
-            y[p] = value;
-            const double* column = Lk + p * wp;
-            for (int i = p / 8 * 8; i < wp; ++i) work[i] -= value * column[i];
+        for (int p = 0; p < vp; p += 8) {
+            const double* W = inverse(k) + 8 * p;
+            const auto row = [=](int j) { return W + 8 * j; };
+            store_wide(y + p, row_products(row, 8, work + p, 8));
+            const double* below = L(k) + p * wp + p + 8;
+            multiply_vector(work + p + 8, below, wp, y + p, work + p + 8, wp - p - 8,
+                            std::min(8, nv - p), -1.0);
         }
         copy8(work + vp, right.p.get() + k * sp, sp);
     }
@@ -152,29 +156,27 @@ void Riccati::forward(RightSide& right) const {
     }
     for (int k = 0; k <= N_; ++k) {
         double* costate = right.costate.get() + k * sp;
-        multiply({right.p.get() + k * sp, 0}, P(k), sp, s, 1, 0, costate, sp, sp, ns, 1);
+        multiply_vector(right.p.get() + k * sp, P(k), sp, s, costate, sp, ns);
         if (k == N_) break;
         double* w = right.w.get() + k * wp;
         copy8(s, w + vp, sp);
-        const double* Lk = L(k);
-        const double* inverse = inverse_.get() + k * vp;
-        for (int p = nv - 1; p >= 0; --p) {
-            const double* column = Lk + p * wp;
-            double sum = right.y[size(k * vp + p)];
-            for (int i = p + 1; i < nv; ++i) sum += column[i] * w[i];
-            Vector8 dot{};
-            for (int i = vp; i < wp; i += 8) dot += load8(column + i) * load8(w + i);
-            w[p] = -(sum + sum8(dot)) * inverse[p];
+        for (int p = vp - 8; p >= 0; p -= 8) {
+            const double* columns = L(k) + p * wp + p + 8;
+            const auto column = [=](int j) { return columns + j * wp; };
+            const Wide below = row_products(column, std::min(8, nv - p), w + p + 8, wp - p - 8);
+            double sum[8], zero[8] = {};
+            store_wide(sum, load_wide(right.y.get() + k * vp + p) + below);
+            multiply_vector(zero, inverse(k) + 8 * p, 8, sum, w + p, 8, 8, -1.0);
         }
-        for (int i = nv; i < vp; ++i) w[i] = 0.0;
         const double* A = stage(k) + layout_.A(0, 0);
         const double* r = right.stages.get() + size(k) * layout_.vector_size() + wp;
-        for (int i = 0; i < nx; ++i) {
-            Vector8 dot{};
-            for (int c = 0; c < wp; c += 8) dot += load8(A + i * wp + c) * load8(w + c);
-            s[i] = r[i] + sum8(dot);
+        for (int i = 0; i < sp; i += 8) {
+            const auto row = [&](int j) {
+                return i + j < nx ? A + (i + j) * wp : carry_.get() + (i + j - nx) * wp;
+            };
+            const Wide next = row_products(row, std::min(8, ns - i), w, wp);
+            store_wide(s + i, i < nx ? next + load_wide(r + i) : next);
         }
-        for (int i = 0; i < ns - nx; ++i) s[nx + i] = w[structure_.v_carried(i)];
     }
 }
 

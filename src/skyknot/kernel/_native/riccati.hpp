@@ -68,10 +68,17 @@ private:
         return L_.get() + static_cast<std::size_t>(k * layout_.wp * layout_.nv);
     }
 
+    double* inverse(int k) { return inverse_.get() + static_cast<std::size_t>(8 * k * layout_.vp); }
+    const double* inverse(int k) const {
+        return inverse_.get() + static_cast<std::size_t>(8 * k * layout_.vp);
+    }
+
     Structure structure_;
     StageLayout layout_;
     int N_;
-    Workspace stages_, hessians_, P_, L_, inverse_;  // inverse_: 1 / L_ii, (N, vp)
+    Workspace stages_, hessians_, P_, L_;
+    Workspace inverse_;  // L⁻¹ of the diagonal blocks of eight, row-major, (N, vp, 8)
+    Workspace carry_;    // rows of w that the next stage state carries over, (ns − nx, wp)
     Workspace M_;
     std::vector<double> first_;           // Cholesky factor over the free part of s_0
     std::vector<int> free_;

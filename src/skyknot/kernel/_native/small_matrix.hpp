@@ -1,6 +1,7 @@
 // Products of small column-major matrices with rows padded to eight, kept in registers.
 #pragma once
 
+#include "transpose.hpp"
 #include "vector8.hpp"
 
 namespace skyknot::inline SKYKNOT_ISA {
@@ -43,7 +44,8 @@ template <int R, int J>
 template <int R>
 inline void columns(Base base, const double* A, int lda, const double* B, int b_row, int b_column,
                     double* C, int ldc, int depth, int count, double sign) {
-    constexpr int J = R >= 3 ? 4 : R == 2 ? 6 : 8;
+    // as many sums as there are registers for; with 32 wide ones, all of eight columns
+    constexpr int J = native_width == 8 || R == 1 ? 8 : R == 2 ? 6 : 4;
     int j = 0;
     const auto from = [&]() { return Base{base.at ? base.at + j * base.stride : nullptr, base.stride}; };
     for (; j + J <= count; j += J)
@@ -72,6 +74,54 @@ inline void multiply(Base base, const double* A, int lda, const double* B, int b
 inline void multiply_add(const double* A, int lda, const double* B, int b_row, int b_column,
                          double* C, int ldc, int rows, int depth, int count, double sign = 1.0) {
     multiply({C, ldc}, A, lda, B, b_row, b_column, C, ldc, rows, depth, count, sign);
+}
+
+// out = base + sign A b for R vectors of eight rows; sums of even and odd columns, so that they do not
+// wait for each other.
+template <int R>
+[[gnu::always_inline]] inline void vector_block(const double* base, const double* A, int lda,
+                                                const double* b, double* out, int depth,
+                                                double sign) {
+    Vector8 even[R], odd[R];
+    for (int r = 0; r < R; ++r) even[r] = odd[r] = Vector8{};
+    int l = 0;
+    for (; l + 2 <= depth; l += 2) {
+        const Vector8 first = broadcast8(b[l]), second = broadcast8(b[l + 1]);
+        for (int r = 0; r < R; ++r) {
+            even[r] += load8(A + l * lda + 8 * r) * first;
+            odd[r] += load8(A + (l + 1) * lda + 8 * r) * second;
+        }
+    }
+    if (l < depth)
+        for (int r = 0; r < R; ++r) even[r] += load8(A + l * lda + 8 * r) * broadcast8(b[l]);
+    for (int r = 0; r < R; ++r) store8(out + 8 * r, load8(base + 8 * r) + sign * (even[r] + odd[r]));
+}
+
+// out = base + sign A b: A (rows, depth), `rows` a multiple of eight; out may be base.
+inline void multiply_vector(const double* base, const double* A, int lda, const double* b, double* out,
+                            int rows, int depth, double sign = 1.0) {
+    int r = 0;
+    for (; rows - r >= 24; r += 24)
+        vector_block<3>(base + r, A + r, lda, b, out + r, depth, sign);
+    if (rows - r == 16) vector_block<2>(base + r, A + r, lda, b, out + r, depth, sign);
+    if (rows - r == 8) vector_block<1>(base + r, A + r, lda, b, out + r, depth, sign);
+}
+
+// Entry j: the product of `row(j)` with b, both `length` long, a multiple of eight; zero from
+// `count` ≤ 8 on.
+template <class Row>
+[[gnu::always_inline]] inline Wide row_products(Row row, int count, const double* b, int length) {
+    Vector8Block products;
+#pragma GCC unroll 8
+    for (int j = 0; j < 8; ++j) {
+        Wide sum{};
+        if (j < count) {
+            const double* const a = row(j);
+            for (int i = 0; i < length; i += 8) sum += load_wide(a + i) * load_wide(b + i);
+        }
+        products.rows[j] = sum;
+    }
+    return products.sums();
 }
 
 }  // namespace skyknot::inline SKYKNOT_ISA

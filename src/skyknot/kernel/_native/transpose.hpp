@@ -36,6 +36,23 @@ struct Vector8Block {
             rows[i + 4] = __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
         }
     }
+
+    // Entry i: the sum of row i.
+    [[gnu::always_inline]] Wide sums() const {
+        Wide single[4], pair[2];
+        for (int i = 0; i < 4; ++i) {
+            const Wide a = rows[2 * i], b = rows[2 * i + 1];
+            single[i] = __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14) +
+                        __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+        }
+        for (int i = 0; i < 2; ++i) {
+            const Wide a = single[2 * i], b = single[2 * i + 1];
+            pair[i] = __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13) +
+                      __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
+        }
+        return __builtin_shufflevector(pair[0], pair[1], 0, 1, 2, 3, 8, 9, 10, 11) +
+               __builtin_shufflevector(pair[0], pair[1], 4, 5, 6, 7, 12, 13, 14, 15);
+    }
 };
 
 }  // namespace skyknot::inline SKYKNOT_ISA
