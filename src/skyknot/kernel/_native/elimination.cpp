@@ -163,24 +163,22 @@ void write_hessian(Segment& segment, const StageLayout& layout, const Matrix& H,
 Kept build_factor(Elimination& elimination, Segment& segment, const StageLayout& layout) {
     const Structure& S = segment.S;
     Builder& b = segment.b;
-    const Matrix rows = segment.scheme_rows();
+    const Matrix rows = segment.scheme_rows();  // [M | −N]
     const int nI = S.interior();
     Matrix M = zeros(nI, nI);
     for (int i = 0; i < nI; ++i)
         for (int j = 0; j < nI; ++j) M[at(i)][at(j)] = rows[at(i)][at(S.nx + j)];
     const Factors factors = factorise(b, std::move(M));
     const std::vector<int> w = outside(segment);
-    const Value minus = b.constant(-1.0);
-    Matrix T = zeros(nI, segment.ny());
+    Matrix N = zeros(nI, segment.ny()), T = N;  // N with its sign turned
+    for (int i = 0; i < nI; ++i)
+        for (int y : w) N[at(i)][at(y)] = rows[at(i)][at(y)];
     for (int y : w) {
         std::vector<Value> column(at(nI));
-        for (int i = 0; i < nI; ++i) column[at(i)] = b.product(minus, rows[at(i)][at(y)]);
+        for (int i = 0; i < nI; ++i) column[at(i)] = N[at(i)][at(y)];
         column = solve(b, factors, std::move(column));
         for (int i = 0; i < nI; ++i) T[at(i)][at(y)] = column[at(i)];
     }
-    Matrix N = zeros(nI, segment.ny());
-    for (int i = 0; i < nI; ++i)
-        for (int y : w) N[at(i)][at(y)] = rows[at(i)][at(y)];
     const Matrix H = segment.hessian_rows();
     Matrix HI(H.begin() + S.nx, H.begin() + S.nx + nI);
 
@@ -227,13 +225,13 @@ void build_reduce(Elimination& elimination, const Structure& S, const Kept& kept
         for (int i = 0; i < nI; ++i) terms.emplace_back(HI[at(i)][at(y)], m[at(i)]);
         c[at(y)] = b.dot(terms, gradient(y));
     }
-    // Tᵀ c_I = −Nᵀ M⁻ᵀ c_I: the factors and the sparse N are smaller than T.
+    // Tᵀ c_I = −Nᵀ M⁻ᵀ c_I: the factors and the sparse N, kept as −N, are smaller than T.
     const std::vector<Value> pulled =
         solve_transposed(b, factors, {c.begin() + S.nx, c.begin() + S.nx + nI});
     const auto reduced = [&](int y) {
         std::vector<Term> terms;
         for (int i = 0; i < nI; ++i) terms.emplace_back(N[at(i)][at(y)], pulled[at(i)]);
-        return b.dot(terms, c[at(y)], true);
+        return b.dot(terms, c[at(y)]);
     };
     for (int first = 0; first < S.nx; first += 8)
         b.block(block::vector, layout.r(first), eight_from(first, S.nx, [&](int r) {
@@ -268,7 +266,7 @@ void build_expand(Elimination& elimination, const Structure& S, const Kept& kept
     for (int i = 0; i < nI; ++i) {
         std::vector<Term> terms;
         for (int y : outside(segment)) terms.emplace_back(N[at(i)][at(y)], delta[at(y)]);
-        states[at(i)] = b.dot(terms, states[at(i)], true);
+        states[at(i)] = b.dot(terms, states[at(i)]);
     }
     states = solve(b, factors, std::move(states));
     for (int i = 0; i < nI - S.nx; ++i) {

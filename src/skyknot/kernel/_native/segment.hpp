@@ -74,17 +74,19 @@ struct Segment {
         return positions;
     }
 
-    // [M | N]: rows of the scheme over y, scaled to coefficient 1 on X_{i+1}.
+    // [M | −N]: rows of the scheme over y, scaled to coefficient 1 on X_{i+1}.
     Matrix scheme_rows() {
         std::vector<std::vector<std::vector<Term>>> terms(
             index(S.interior()), std::vector<std::vector<Term>>(index(ny())));
         const Value h = b.input(source::fixed, 0);
+        const auto turned = [this](int y) { return is_interior(y) ? 1.0 : -1.0; };
         for (int i = 0; i < S.s - 1; ++i) {
             const double scale = 1.0 / S.C[index(i * S.s + i + 1)];
             for (int j = 0; j < S.s; ++j)
                 for (int r = 0; r < S.nx; ++r)
                     if (const double c = scale * S.C[index(i * S.s + j)]; c != 0.0)
-                        terms[index(i * S.nx + r)][index(X(j, r))].emplace_back(b.constant(c), b.one());
+                        terms[index(i * S.nx + r)][index(X(j, r))].emplace_back(
+                            b.constant(c * turned(X(j, r))), b.one());
             for (int column = 0; column < static_cast<int>(S.used.size()); ++column) {
                 const double a = scale * S.A[index(i) * S.used.size() + index(column)];
                 if (a == 0.0) continue;
@@ -92,7 +94,7 @@ struct Segment {
                     const Value J = class_row(column, S.row_JF() + static_cast<int>(k));
                     for (const auto& [y, weight] : spread(column, S.JF.column[k]))
                         terms[index(i * S.nx + S.JF.row[k])][index(y)].emplace_back(
-                            b.product(h, b.constant(a * weight)), J);
+                            b.product(h, b.constant(a * weight * turned(y))), J);
                 }
             }
         }
@@ -101,7 +103,7 @@ struct Segment {
             for (std::size_t y = 0; y < rows[i].size(); ++y) rows[i][y] = b.dot(terms[i][y]);
         if (elastic)
             for (int r = 0; r < S.nx; ++r)
-                rows[index((S.s - 2) * S.nx + r)][index(E(r))] = b.one();
+                rows[index((S.s - 2) * S.nx + r)][index(E(r))] = b.constant(-1.0);
         return rows;
     }
 

@@ -44,8 +44,7 @@ template <int R, int J>
 template <int R>
 inline void columns(Base base, const double* A, int lda, const double* B, int b_row, int b_column,
                     double* C, int ldc, int depth, int count, double sign) {
-    // as many sums as there are registers for; with 32 wide ones, all of eight columns
-    constexpr int J = native_width == 8 || R == 1 ? 8 : R == 2 ? 6 : 4;
+    constexpr int J = R >= 3 ? 4 : R == 2 ? 6 : 8;  // with all eight at R = 3, GCC spills
     int j = 0;
     const auto from = [&]() { return Base{base.at ? base.at + j * base.stride : nullptr, base.stride}; };
     for (; j + J <= count; j += J)
