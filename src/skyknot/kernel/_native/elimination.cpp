@@ -24,6 +24,11 @@ struct Keeper {
     int rows = 0;
     std::map<std::int32_t, int> known;
 
+    explicit Keeper(Builder& builder) : b(builder) {
+        b.output(target::segment, 0, b.one());  // row 0: see Builder::stored
+        ++rows;
+    }
+
     int keep(Value value) {
         if (value.is_zero()) return -1;
         if (b.is_one(value)) return -2;
@@ -182,7 +187,7 @@ Kept build_factor(Elimination& elimination, Segment& segment, const StageLayout&
     const Matrix H = segment.hessian_rows();
     Matrix HI(H.begin() + S.nx, H.begin() + S.nx + nI);
 
-    Keeper keeper{b, 0, {}};
+    Keeper keeper(b);
     Kept kept{factors.order, keeper.keep(factors.LU), keeper.keep(N), keeper.keep(HI), {}, 0};
     for (Value value : factors.inverse) kept.inverse.push_back(keeper.keep(value));
     kept.rows = keeper.rows;

@@ -9,22 +9,33 @@
 namespace skyknot::inline SKYKNOT_ISA {
 
 // Code: a run is [kind | terms << 4, length] followed by `length` instructions of that shape, each
-// [result, start (when it has one), pairs of factors …], [slot, buffer, offset low, offset high], or
+// [result, start, pairs of factors …], [slot, buffer, offset low, offset high], or
 // [target, offset low, offset high, eight slots (when it has them), pairs of factor and row …].
 // Slots are offsets in doubles.
 namespace {
 
 constexpr std::uint32_t none = UINT32_MAX, longest_run = UINT16_MAX;
 
-template <bool subtract, bool start, std::uint32_t count, class Code>
-[[gnu::always_inline]] inline const Code* dots(const Code* at, std::uint32_t length, double* w,
-                                               std::uint32_t terms) {
+// Terms of a dot are filled up with zeros to the next of these, so that there are few shapes.
+constexpr std::uint32_t sizes[] = {1, 2, 3, 4, 6, 8, 12};
+
+std::uint32_t filled_up(std::size_t terms) {
+    for (const std::uint32_t size : sizes)
+        if (terms <= size) return size;
+    return static_cast<std::uint32_t>(terms);
+}
+
+// The first factors stand at `a`, the second ones in the workspace.
+template <bool subtract, std::uint32_t count, class Code>
+[[gnu::always_inline]] inline const Code* dots(const Code* at, std::uint32_t length, const double* a,
+                                               double* w, std::uint32_t terms) {
     const std::uint32_t n = count == 0 ? terms : count;
     for (std::uint32_t i = 0; i < length; ++i) {
-        double* const result = w + *at++;
-        Vector8 sum = start ? load8(w + *at++) : Vector8{};
+        double* const result = w + at[0];
+        Vector8 sum = load8(w + at[1]);
+        at += 2;
         for (std::uint32_t t = 0; t < n; ++t, at += 2) {
-            const Vector8 product_a = load8(w + at[0]), product_b = load8(w + at[1]);
+            const Vector8 product_a = load8(a + at[0]), product_b = load8(w + at[1]);
             if constexpr (subtract) sum -= product_a * product_b;
             else sum += product_a * product_b;
         }
@@ -38,22 +49,18 @@ template <class Code>
     return static_cast<std::ptrdiff_t>(std::uint32_t{at[0]} | std::uint32_t{at[1]} << 16);
 }
 
-template <bool subtract, bool start, class Code>
-inline const Code* run_dots(const Code* at, std::uint32_t length, double* w, std::uint32_t terms) {
+template <bool subtract, class Code>
+inline const Code* run_dots(const Code* at, std::uint32_t length, const double* a, double* w,
+                            std::uint32_t terms) {
     switch (terms) {
-        case 1: return dots<subtract, start, 1>(at, length, w, terms);
-        case 2: return dots<subtract, start, 2>(at, length, w, terms);
-        case 3: return dots<subtract, start, 3>(at, length, w, terms);
-        case 4: return dots<subtract, start, 4>(at, length, w, terms);
-        case 5: return dots<subtract, start, 5>(at, length, w, terms);
-        case 6: return dots<subtract, start, 6>(at, length, w, terms);
-        case 7: return dots<subtract, start, 7>(at, length, w, terms);
-        case 8: return dots<subtract, start, 8>(at, length, w, terms);
-        case 9: return dots<subtract, start, 9>(at, length, w, terms);
-        case 10: return dots<subtract, start, 10>(at, length, w, terms);
-        case 11: return dots<subtract, start, 11>(at, length, w, terms);
-        case 12: return dots<subtract, start, 12>(at, length, w, terms);
-        default: return dots<subtract, start, 0>(at, length, w, terms);
+        case 1: return dots<subtract, 1>(at, length, a, w, terms);
+        case 2: return dots<subtract, 2>(at, length, a, w, terms);
+        case 3: return dots<subtract, 3>(at, length, a, w, terms);
+        case 4: return dots<subtract, 4>(at, length, a, w, terms);
+        case 6: return dots<subtract, 6>(at, length, a, w, terms);
+        case 8: return dots<subtract, 8>(at, length, a, w, terms);
+        case 12: return dots<subtract, 12>(at, length, a, w, terms);
+        default: return dots<subtract, 0>(at, length, a, w, terms);
     }
 }
 
@@ -124,6 +131,7 @@ template <class Code>
 void MicroProgram::run(const Code* at, const Code* end, const double* const* sources,
                        double* const* targets, const double* scalars, std::ptrdiff_t first,
                        double* w, const Blocks* blocks, int filled) const {
+    const double* const stored = stored_source_ == none ? nullptr : sources[stored_source_] + first;
     while (at != end) {
         const std::uint32_t head = at[0], length = at[1], terms = head >> 4;
         at += 2;
@@ -136,12 +144,10 @@ void MicroProgram::run(const Code* at, const Code* end, const double* const* sou
                 for (std::uint32_t i = 0; i < length; ++i, at += 2)
                     store8(w + at[0], broadcast8(scalars[at[1]]));
                 break;
-            case Builder::dot_add: at = run_dots<false, false>(at, length, w, terms); break;
-            case Builder::dot_add_start: at = run_dots<false, true>(at, length, w, terms); break;
-            case Builder::dot_subtract: at = run_dots<true, false>(at, length, w, terms); break;
-            case Builder::dot_subtract_start:
-                at = run_dots<true, true>(at, length, w, terms);
-                break;
+            case Builder::dot_add: at = run_dots<false>(at, length, w, w, terms); break;
+            case Builder::dot_subtract: at = run_dots<true>(at, length, w, w, terms); break;
+            case Builder::stored_add: at = run_dots<false>(at, length, stored, w, terms); break;
+            case Builder::stored_subtract: at = run_dots<true>(at, length, stored, w, terms); break;
             case Builder::invert:
                 for (std::uint32_t i = 0; i < length; ++i, at += 2)
                     store8(w + at[0], 1.0 / load8(w + at[1]));
@@ -204,9 +210,7 @@ Value Builder::scalar(std::uint32_t index) {
 }
 
 Value Builder::dot(const std::vector<Term>& terms, Value start, bool subtract) {
-    const Kind plain = subtract ? dot_subtract : dot_add;
-    const Kind started = subtract ? dot_subtract_start : dot_add_start;
-    Step step{start.is_zero() ? plain : started, 0, start.id, 0, 0, {}};
+    Step step{subtract ? dot_subtract : dot_add, 0, start.id, 0, 0, {}};
     for (const auto& [a, b] : terms)
         if (!a.is_zero() && !b.is_zero()) step.terms.emplace_back(a.id, b.id);
     if (step.terms.empty()) return start;
@@ -288,10 +292,40 @@ void Builder::visit_operands(const Step& step, Visit visit) const {
     see({step.start});
     for (const Value value : step.eight) see(value);
     for (const auto& [a, b] : step.terms) {
-        see({a});
+        if (!step.is_stored()) see({a});
         if (!step.is_panel()) see({b});
         else
             for (const Value value : rows8_[static_cast<std::size_t>(b)]) see(value);
+    }
+}
+
+std::uint32_t Builder::shape(const Step& step) {
+    const bool dot = step.kind >= dot_add && step.kind <= stored_subtract;
+    const std::uint32_t terms =
+        dot ? filled_up(step.terms.size()) : static_cast<std::uint32_t>(step.terms.size());
+    return static_cast<std::uint32_t>(step.kind) | terms << 4;
+}
+
+// Dots whose every term has a factor in the stored block take it from there.
+void Builder::read_stored_in_place() {
+    if (stored_source_ == none) return;
+    std::vector<std::ptrdiff_t> offset(static_cast<std::size_t>(values_), -1);
+    for (const Step& step : steps_)
+        if (step.kind == load && step.buffer == stored_source_)
+            offset[static_cast<std::size_t>(step.result)] = step.offset;
+    if (one_ >= 0) offset[static_cast<std::size_t>(one_)] = 0;
+    const auto of = [&](std::int32_t id) { return offset[static_cast<std::size_t>(id)]; };
+    for (Step& step : steps_) {
+        if (step.kind != dot_add && step.kind != dot_subtract) continue;
+        const bool all = std::all_of(step.terms.begin(), step.terms.end(), [&](const auto& term) {
+            return of(term.first) >= 0 || of(term.second) >= 0;
+        });
+        if (!all) continue;
+        step.kind = step.kind == dot_add ? stored_add : stored_subtract;
+        for (auto& [a, b] : step.terms) {
+            if (of(a) < 0) std::swap(a, b);
+            a = static_cast<std::int32_t>(of(a));
+        }
     }
 }
 
@@ -347,6 +381,8 @@ std::vector<std::size_t> Builder::scheduled() const {
 
 MicroProgram Builder::finish() {
     MicroProgram program;
+    read_stored_in_place();
+    program.stored_source_ = stored_source_;
     const std::vector<std::uint32_t> code = encode(scheduled(), program);
     if (std::all_of(code.begin(), code.end(), [](std::uint32_t c) { return c <= UINT16_MAX; }))
         for (const std::uint32_t c : code) program.narrow_.push_back(static_cast<std::uint16_t>(c));
@@ -417,8 +453,11 @@ void Builder::write_code(const Step& step, SlotOf of, std::vector<std::uint32_t>
     code.push_back(of(step.kind == store ? step.start : step.result));
     if (step.kind == load || step.kind == store) to_place();
     else if (step.kind == scalar_load) code.push_back(step.buffer);
-    else if (step.start >= 0) code.push_back(of(step.start));
-    for (const auto& [a, b] : step.terms) code.insert(code.end(), {of(a), of(b)});
+    else code.push_back(of(step.start));
+    for (const auto& [a, b] : step.terms)
+        code.insert(code.end(), {step.is_stored() ? static_cast<std::uint32_t>(a) : of(a), of(b)});
+    for (std::size_t terms = step.terms.size(); terms < shape(step) >> 4; ++terms)
+        code.insert(code.end(), {0, 0});
 }
 
 }  // namespace skyknot::inline SKYKNOT_ISA

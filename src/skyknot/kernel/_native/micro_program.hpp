@@ -62,6 +62,7 @@ private:
     std::vector<std::uint16_t> narrow_;
     std::vector<std::uint32_t> wide_;
     std::vector<std::pair<std::uint32_t, double>> constants_;
+    std::uint32_t stored_source_ = UINT32_MAX;
     std::size_t slots_ = 0, multiplications_ = 0;
 };
 
@@ -73,8 +74,11 @@ public:
     Value constant(double value);
     // Row `row` of source `source`, read at first + shift.
     Value input(std::uint32_t source, std::size_t row, std::ptrdiff_t shift = 0);
-    // Row `row` of a block that holds eight segments only, rows one after the other.
+    // Row `row` of a block that holds eight segments only, rows one after the other; of one source.
+    // Where every term of a dot has such a factor, or a one, it is read where it stands; row 0 of
+    // the block must be ones.
     Value stored(std::uint32_t source, std::size_t row) {
+        stored_source_ = source;
         return read(source, static_cast<std::uint32_t>(row * lane_count));
     }
     Value scalar(std::uint32_t index);
@@ -108,9 +112,9 @@ public:
         load,
         scalar_load,
         dot_add,
-        dot_add_start,
         dot_subtract,
-        dot_subtract_start,
+        stored_add,
+        stored_subtract,
         invert,
         store,
         block_store,
@@ -124,22 +128,22 @@ private:
         std::int32_t result, start;
         std::uint32_t buffer;
         std::uint32_t offset;
-        // pairs of factors; of a panel, a factor and the number of a row
+        // pairs of factors; of a panel, a factor and the number of a row; of a stored dot, an offset
+        // in the block and a factor
         std::vector<std::pair<std::int32_t, std::int32_t>> terms;
         Eight eight{};  // what a block is written from, or a panel starts from
         std::uint32_t phase = 0;
         bool writes() const { return kind >= store; }
         bool is_panel() const { return kind == panel_store || kind == panel_start_store; }
+        bool is_stored() const { return kind == stored_add || kind == stored_subtract; }
     };
     Value record(Step step);
     void write(Step step);
     Value read(std::uint32_t source, std::uint32_t offset);
     template <class Visit>
     void visit_operands(const Step& step, Visit visit) const;
-    static std::uint32_t shape(const Step& step) {
-        return static_cast<std::uint32_t>(step.kind) |
-               static_cast<std::uint32_t>(step.terms.size()) << 4;
-    }
+    static std::uint32_t shape(const Step& step);
+    void read_stored_in_place();
     template <class SlotOf>
     void write_code(const Step& step, SlotOf of, std::vector<std::uint32_t>& code) const;
     std::vector<std::uint32_t> encode(const std::vector<std::size_t>& order, MicroProgram& program);
@@ -156,7 +160,7 @@ private:
     // Values that keep a slot of their own: those of rows of eight, and placed ones; slot by value.
     std::unordered_map<std::int32_t, std::uint32_t> homes_;
     std::uint32_t next_home_ = 1;  // slot 0 holds zeros
-    std::uint32_t phase_ = 0;
+    std::uint32_t phase_ = 0, stored_source_ = UINT32_MAX;
 };
 
 }  // namespace skyknot::inline SKYKNOT_ISA
