@@ -3,13 +3,17 @@
 // Legend: the columns hold [C_11; C_21], C_11 eight by eight; they become [L; C_21 L⁻ᵀ], C_11 = L Lᵀ.
 #pragma once
 
-#include <cmath>
+#include <limits>
 
 #include "transpose.hpp"
+#include "vector8.hpp"
 
 namespace skyknot::inline SKYKNOT_ISA {
 
 // The first 8 R rows of `count` ≤ 8 columns; inverse: 1 / L_pp. False when a pivot is not positive.
+//
+// C = L̃ D L̃ᵀ first, roots of D at the end. What every pivot waits for is kept short: it comes from
+// two numbers, not from the columns, whose update runs beside the next division.
 template <int R>
 [[gnu::noinline]] bool factor_columns(double* columns, int ld, int count, double* inverse) {
     constexpr Wide lane = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -23,26 +27,28 @@ template <int R>
                                 : Wide(lane == unit ? Wide{} + 1.0 : Wide{});
         }
     Wide pivots = {};
-    // without square roots first: they would stand in the way of every next pivot
+    double pivot = c[0][0][0];
 #pragma GCC unroll 8
     for (int p = 0; p < 8; ++p) {
-        const double pivot = c[p][0][p];
-        pivots[p] = pivot;
+        pivots = lane == double(p) ? Wide{} + pivot : pivots;
         const double over = 1.0 / pivot;
+        if (p == 7) break;
+        const double below = c[p][0][p + 1];
+        pivot = c[p + 1][0][p + 1] - below * below * over;
+        Wide scaled[R];
+#pragma GCC unroll 3
+        for (int r = 0; r < R; ++r) scaled[r] = c[p][r] * over;
 #pragma GCC unroll 8
         for (int j = p + 1; j < 8; ++j) {
-            const double factor = c[p][0][j] * over;
+            const double factor = c[p][0][j];
 #pragma GCC unroll 3
-            for (int r = 0; r < R; ++r) c[j][r] -= c[p][r] * factor;
+            for (int r = 0; r < R; ++r) c[j][r] -= scaled[r] * factor;
         }
     }
+    const Lanes<8> D = load8(reinterpret_cast<const double*>(&pivots));
+    if (any((D > 0.0) & (D <= std::numeric_limits<double>::max()) ^ std::int64_t{-1})) return false;
     double scale[8];
-    bool positive = true;
-    for (int p = 0; p < 8; ++p) {
-        positive = positive && pivots[p] > 0.0 && std::isfinite(pivots[p]);
-        scale[p] = 1.0 / std::sqrt(pivots[p]);
-    }
-    if (!positive) return false;
+    (1.0 / square_root(D)).store(scale);
 #pragma GCC unroll 8
     for (int p = 0; p < 8; ++p) {
         if (p >= count) break;

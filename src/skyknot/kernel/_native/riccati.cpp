@@ -48,8 +48,8 @@ bool Riccati::factor_stage(int k) {
     const int carried = ns - nx;
 
     // M = P [A; carry]
-    multiply({}, next, sp, A, wp, 1, M, sp, sp, nx, nv);
-    multiply({}, next, sp, A + vp, wp, 1, M + vp * sp, sp, sp, nx, ns);
+    multiply({}, {next, sp, A, wp, 1, nx}, {}, M, sp, sp, nv);
+    multiply({}, {next, sp, A + vp, wp, 1, nx}, {}, M + vp * sp, sp, sp, ns);
     for (int i = 0; i < carried; ++i) {
         double* column = M + structure_.v_carried(i) * sp;
         const double* from = next + (nx + i) * sp;
@@ -57,14 +57,13 @@ bool Riccati::factor_stage(int k) {
     }
     // v columns of C, all rows, then their Cholesky factor in place
     double* Lk = L(k);
-    multiply({H, wp}, A, wp, M, 1, sp, Lk, wp, wp, nx, nv);
-    for (int j = 0; j < nv; ++j)
-        for (int i = 0; i < carried; ++i) Lk[j * wp + structure_.v_carried(i)] += M[j * sp + nx + i];
+    multiply({H, wp}, {A, wp, M, 1, sp, nx}, {}, Lk, wp, wp, nv);
+    if (carried > 0) multiply({Lk, wp}, {carry_.get(), wp, M + nx, 1, sp, carried}, {}, Lk, wp, vp, nv);
     double pivots[8];  // 1 / L_ii
     for (int p = 0; p < nv; p += 8) {
         double* panel = Lk + p * wp + p;
         const int rows = wp - p, count = std::min(8, nv - p);
-        multiply_add(Lk + p, wp, Lk + p, wp, 1, panel, wp, rows, p, count, -1.0);
+        if (p > 0) multiply({panel, wp}, {}, {Lk + p, wp, Lk + p, wp, 1, p}, panel, wp, rows, count);
         if (!factor_panel(panel, wp, rows, count, pivots)) return false;
         invert_rows(panel, wp, count, pivots, inverse(k) + 8 * p);
         for (int j = 0; j < count; ++j) std::fill_n(Lk + (p + j) * wp, p, 0.0);
@@ -74,9 +73,8 @@ bool Riccati::factor_stage(int k) {
     for (int c = 0; c < sp; c += 8) {
         const int count = std::min(8, ns - c), rows = sp - c;
         double* corner = here + c * sp + c;
-        multiply({H + layout_.H(vp + c, vp + c), wp}, A + vp + c, wp, M + (vp + c) * sp, 1, sp, corner,
-                 sp, rows, nx, count);
-        multiply_add(Lk + vp + c, wp, Lk + vp + c, wp, 1, corner, sp, rows, nv, count, -1.0);
+        multiply({H + layout_.H(vp + c, vp + c), wp}, {A + vp + c, wp, M + (vp + c) * sp, 1, sp, nx},
+                 {Lk + vp + c, wp, Lk + vp + c, wp, 1, nv}, corner, sp, rows, count);
         for (int r = 8; r < rows; r += 8) mirror(corner + r, corner + r * sp, sp, std::min(8, ns - c - r));
     }
     return true;

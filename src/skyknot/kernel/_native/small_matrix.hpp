@@ -17,62 +17,71 @@ struct Base {
     int stride = 0;
 };
 
-// C(:, j) = base(:, j) + sign Σ_l A(:, l) B(l, j) for R vectors of eight rows and J columns.
+// A product A B: A (rows, depth) with leading dimension lda, B read at [l b_row + j b_column].
+struct Product {
+    const double* A = nullptr;
+    int lda = 0;
+    const double* B = nullptr;
+    int b_row = 0, b_column = 0;
+    int depth = 0;
+
+    SKYKNOT_INLINE Product from(int row, int column) const {
+        return {A + row, lda, B + column * b_column, b_row, b_column, depth};
+    }
+};
+
 template <int R, int J>
-[[gnu::always_inline]] inline void block(Base base, const double* A, int lda, const double* B,
-                                         int b_row, int b_column, double* C, int ldc, int depth,
-                                         double sign) {
+SKYKNOT_INLINE void add_terms(const Product& product, Vector8 (&sum)[R][J], double sign) {
+    for (int l = 0; l < product.depth; ++l) {
+        Vector8 a[R];
+        for (int r = 0; r < R; ++r) a[r] = load8(product.A + l * product.lda + 8 * r);
+        for (int j = 0; j < J; ++j) {
+            const Vector8 b = broadcast8(product.B[l * product.b_row + j * product.b_column]);
+            for (int r = 0; r < R; ++r)
+                sum[r][j] = sign > 0.0 ? sum[r][j] + a[r] * b : sum[r][j] - a[r] * b;
+        }
+    }
+}
+
+// C(:, j) = base(:, j) + plus − minus for R vectors of eight rows and J columns.
+template <int R, int J>
+SKYKNOT_INLINE void block(Base base, const Product& plus, const Product& minus, double* C, int ldc) {
     Vector8 sum[R][J];
     for (int r = 0; r < R; ++r)
         for (int j = 0; j < J; ++j) sum[r][j] = Vector8{};
-    for (int l = 0; l < depth; ++l) {
-        Vector8 a[R];
-        for (int r = 0; r < R; ++r) a[r] = load8(A + l * lda + 8 * r);
-        for (int j = 0; j < J; ++j) {
-            const Vector8 b = broadcast8(B[l * b_row + j * b_column]);
-            for (int r = 0; r < R; ++r) sum[r][j] += a[r] * b;
-        }
-    }
+    add_terms<R, J>(plus, sum, 1.0);
+    add_terms<R, J>(minus, sum, -1.0);
     for (int j = 0; j < J; ++j)
         for (int r = 0; r < R; ++r) {
             double* c = C + j * ldc + 8 * r;
-            if (base.at) store8(c, load8(base.at + j * base.stride + 8 * r) + sign * sum[r][j]);
-            else store8(c, sign * sum[r][j]);
+            if (base.at) store8(c, load8(base.at + j * base.stride + 8 * r) + sum[r][j]);
+            else store8(c, sum[r][j]);
         }
 }
 
 template <int R>
-inline void columns(Base base, const double* A, int lda, const double* B, int b_row, int b_column,
-                    double* C, int ldc, int depth, int count, double sign) {
-    constexpr int J = R >= 3 ? 4 : R == 2 ? 6 : 8;  // with all eight at R = 3, GCC spills
+inline void columns(Base base, const Product& plus, const Product& minus, double* C, int ldc,
+                    int count) {
+    constexpr int J = R == 1 ? 8 : 4;  // enough sums not to wait for one, and no more
     int j = 0;
     const auto from = [&]() { return Base{base.at ? base.at + j * base.stride : nullptr, base.stride}; };
     for (; j + J <= count; j += J)
-        block<R, J>(from(), A, lda, B + j * b_column, b_row, b_column, C + j * ldc, ldc, depth, sign);
+        block<R, J>(from(), plus.from(0, j), minus.from(0, j), C + j * ldc, ldc);
     for (; j + 2 <= count; j += 2)
-        block<R, 2>(from(), A, lda, B + j * b_column, b_row, b_column, C + j * ldc, ldc, depth, sign);
+        block<R, 2>(from(), plus.from(0, j), minus.from(0, j), C + j * ldc, ldc);
     for (; j < count; ++j)
-        block<R, 1>(from(), A, lda, B + j * b_column, b_row, b_column, C + j * ldc, ldc, depth, sign);
+        block<R, 1>(from(), plus.from(0, j), minus.from(0, j), C + j * ldc, ldc);
 }
 
-// C = base + sign A B: A (rows, depth) with leading dimension lda, B read at
-// [l b_row + j b_column], C (rows, count). `rows` is a multiple of eight.
-inline void multiply(Base base, const double* A, int lda, const double* B, int b_row, int b_column,
-                     double* C, int ldc, int rows, int depth, int count, double sign = 1.0) {
+// C = base + plus − minus: C (rows, count), `rows` a multiple of eight.
+inline void multiply(Base base, const Product& plus, const Product& minus, double* C, int ldc,
+                     int rows, int count) {
     int r = 0;
     const auto from = [&]() { return Base{base.at ? base.at + r : nullptr, base.stride}; };
     for (; rows - r >= 24; r += 24)
-        columns<3>(from(), A + r, lda, B, b_row, b_column, C + r, ldc, depth, count, sign);
-    if (rows - r == 16)
-        columns<2>(from(), A + r, lda, B, b_row, b_column, C + r, ldc, depth, count, sign);
-    if (rows - r == 8)
-        columns<1>(from(), A + r, lda, B, b_row, b_column, C + r, ldc, depth, count, sign);
-}
-
-// C += sign A B.
-inline void multiply_add(const double* A, int lda, const double* B, int b_row, int b_column,
-                         double* C, int ldc, int rows, int depth, int count, double sign = 1.0) {
-    multiply({C, ldc}, A, lda, B, b_row, b_column, C, ldc, rows, depth, count, sign);
+        columns<3>(from(), plus.from(r, 0), minus.from(r, 0), C + r, ldc, count);
+    if (rows - r == 16) columns<2>(from(), plus.from(r, 0), minus.from(r, 0), C + r, ldc, count);
+    if (rows - r == 8) columns<1>(from(), plus.from(r, 0), minus.from(r, 0), C + r, ldc, count);
 }
 
 // out = base + sign A b for R vectors of eight rows; sums of even and odd columns, so that they do not
