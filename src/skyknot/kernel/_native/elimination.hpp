@@ -28,7 +28,7 @@ enum : std::uint32_t {
     step,       // V rows: δ
     elastic,    // nx rows: δe
     costate,    // nx rows: π
-    first_class // class rows; D weights of path rows follow each class
+    first_class // class rows, eight columns after eight; D weights of path rows follow each class
 };
 }
 namespace target {

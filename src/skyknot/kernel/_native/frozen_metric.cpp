@@ -21,15 +21,14 @@ FrozenMetric::FrozenMetric(InteriorPoint& held, const Tape& value, const Tape& f
       current_(S_, value, full),
       z_(S_, S_.v_rows()),
       nothing_(S_, S_.ng),
+      no_multipliers_(S_, S_.interior()),
+      path_(S_, S_.ng),
       q_(at(S_.nq)),
       terminal_workspace_(make_workspace(held.newton.terminal_tape().workspace_size(8))),
       terminal_gradient_(at(S_.nx + S_.nq)),
       terminal_hessian_(at((S_.nx + S_.nq) * (S_.nx + S_.nq))),
       frozen_hessian_(terminal_hessian_.size()) {
-    for (int c = 0; c < S_.classes(); ++c) {
-        class_rows_.emplace_back(S_, S_.ny());
-        rates_.emplace_back(S_, S_.nx);
-    }
+    for (int c = 0; c < S_.classes(); ++c) rates_.emplace_back(S_, S_.nx);
     held_.newton.terminal_tape().prepare<8>(terminal_workspace_.get());
     // steps of a gradient projection are not corrected by later ones as Newton's are
     held_.newton.accuracy = 1e-10;
@@ -85,11 +84,7 @@ double FrozenMetric::differentiate(const RowBuffer& lambda) {
     evaluate_terminal();
     gradient.clear();
     std::fill(gradient_q.begin(), gradient_q.end(), 0.0);
-    for (int c = 0; c < S_.classes(); ++c) {
-        class_rows_[at(c)].clear();
-        current_.add_cost_gradient(c, class_rows_[at(c)]);
-        current_.scatter(c, class_rows_[at(c)], gradient, gradient_q.data());
-    }
+    current_.add_cost_gradient(gradient, gradient_q.data());
     for (int i = 0; i < S_.nx; ++i) gradient.row(i)[S_.N] += terminal_gradient_[at(i)];
     for (int i = 0; i < S_.nq; ++i) gradient_q[at(i)] += terminal_gradient_[at(S_.nx + i)];
     return current_.cost_sum() + terminal_value_;
@@ -98,13 +93,7 @@ double FrozenMetric::differentiate(const RowBuffer& lambda) {
 void FrozenMetric::adjoint(const RowBuffer& lambda) {
     gradient.clear();
     std::fill(gradient_q.begin(), gradient_q.end(), 0.0);
-    for (int c = 0; c < S_.classes(); ++c) {
-        class_rows_[at(c)].clear();
-        current_.spread_multipliers(c, lambda, rates_[at(c)]);
-        current_.add_JF_transposed(c, rates_[at(c)], class_rows_[at(c)]);
-        current_.scatter(c, class_rows_[at(c)], gradient, gradient_q.data());
-    }
-    current_.add_C_transposed(lambda, gradient);
+    current_.add_adjoint(lambda, {}, gradient, gradient_q.data());
 }
 
 void FrozenMetric::freeze() {
@@ -134,21 +123,12 @@ void FrozenMetric::solve(const RowBuffer& right, const std::vector<double>& righ
 }
 
 void FrozenMetric::product(const RowBuffer& v, const std::vector<double>& q) {
-    const Points& frozen = held_.points;
     gradient.clear();
     std::fill(gradient_q.begin(), gradient_q.end(), 0.0);
-    for (int c = 0; c < S_.classes(); ++c) {
-        RowBuffer& y = class_rows_[at(c)];
-        frozen.gather(c, v, q.data(), y);
-        frozen.JF(c, y, rates_[at(c)]);
-    }
-    frozen.combine(v, rates_, 0, defect);
-    RowBuffer out(S_, S_.ny());
-    for (int c = 0; c < S_.classes(); ++c) {
-        out.clear();
-        frozen.add_H(c, class_rows_[at(c)], out);
-        frozen.scatter(c, out, gradient, gradient_q.data());
-    }
+    for (int c = 0; c < S_.classes(); ++c)
+        held_.points.add_products(c, v, q.data(), no_multipliers_, {nothing_, nothing_, path_},
+                                  rates_[at(c)], gradient, gradient_q.data());
+    held_.points.combine(v, rates_, 0, defect);
     const double delta = held_.newton.regularisation;
     for (int row = 0; row < S_.v_rows(); ++row)
         for (int k = 0; k < S_.count(row); ++k) gradient.row(row)[k] += delta * v.row(row)[k];

@@ -50,9 +50,9 @@ private:
     InteriorPoint& held_;
     Structure S_;
     Points current_;
-    RowBuffer z_, nothing_;
+    RowBuffer z_, nothing_, no_multipliers_, path_;  // the second and third stay zero
     std::vector<double> q_;
-    std::vector<RowBuffer> class_rows_, rates_;
+    std::vector<BlockRows> rates_;
     Workspace terminal_workspace_;
     double terminal_value_ = 0.0;
     std::vector<double> terminal_gradient_, terminal_hessian_, frozen_hessian_;

@@ -45,7 +45,6 @@ InteriorPoint::InteriorPoint(const Structure& S, const Tape& value, const Tape& 
         groups.emplace_back(S, rows, rates ? S.N : S.class_count(c));
         used_rows_.emplace_back(S, rows);
         entry_slack_.emplace_back(S, rows);
-        if (!rates) class_rows_.emplace_back(S, S.ny());
     }
     history.reserve(4096);
 }
@@ -140,7 +139,7 @@ bool InteriorPoint::evaluate(const RowBuffer& here, const double* here_q, bool t
     for (int c = 0; c < S_.classes(); ++c)
         for (int i = 0; i < S_.ng; ++i) {
             RowBuffer& to = trial ? groups[at(c)].trial_value : groups[at(c)].value;
-            std::copy_n(points.rows[at(c)].row(S_.row_g() + i), S_.class_count(c), to.row(i));
+            points.rows[at(c)].copy_row(S_.row_g() + i, S_.class_count(c), to.row(i));
         }
     points.rates(here, here_q, trial ? groups.back().trial_value : groups.back().value);
     newton.evaluate_terminal(here, here_q, objective_scale);
@@ -210,10 +209,7 @@ void InteriorPoint::estimate_multipliers() {
     for (GroupState& group : groups) group.y.clear();
     differentiate();
     gradients();
-    for (int c = 0; c < S_.classes(); ++c)
-        for (std::size_t k = 0; k < S_.H.size(); ++k)
-            std::fill_n(points.rows[at(c)].row(S_.row_H() + static_cast<int>(k)),
-                        S_.class_count(c), 0.0);
+    points.clear_hessian();
     newton.weight_v.clear();
     std::fill(newton.weight_q.begin(), newton.weight_q.end(), 0.0);
     right_.copy(lagrangian_);
@@ -248,29 +244,16 @@ void InteriorPoint::differentiate() {
 
 // Gradients of the objective and of the Lagrangian without bound multipliers.
 void InteriorPoint::gradients() {
-    cost_gradient_.clear(), lagrangian_.clear();
+    cost_gradient_.clear();
     std::fill(q_cost_.begin(), q_cost_.end(), 0.0);
-    std::fill(q_lagrangian_.begin(), q_lagrangian_.end(), 0.0);
-    RowBuffer& nu = trial_z_;  // scratch: free until the next trial point
-    for (int c = 0; c < S_.classes(); ++c) {
-        RowBuffer& rows = class_rows_[at(c)];
-        rows.clear();
-        points.add_cost_gradient(c, rows);
-        points.scatter(c, rows, cost_gradient_, q_cost_.data());
-        rows.clear();
-        points.spread_multipliers(c, lambda, nu);
-        points.add_JF_transposed(c, nu, rows);
-        if (S_.ng > 0) points.add_Jg_transposed(c, groups[at(c)].y, rows);
-        points.scatter(c, rows, lagrangian_, q_lagrangian_.data());
-    }
-    points.add_rates_transposed(groups.back().y, lagrangian_, q_lagrangian_.data());
-    points.add_C_transposed(lambda, lagrangian_);
+    points.add_cost_gradient(cost_gradient_, q_cost_.data());
     for (int i = 0; i < S_.nx; ++i)
         cost_gradient_.row(S_.state_row(0, i))[S_.N] += newton.terminal_gradient[at(i)];
     for (int i = 0; i < S_.nq; ++i) q_cost_[at(i)] += newton.terminal_gradient[at(S_.nx + i)];
-    for (int r = 0; r < S_.v_rows(); ++r)
-        for (int k = 0; k < S_.count(r); ++k) lagrangian_.row(r)[k] += cost_gradient_.row(r)[k];
-    for (int i = 0; i < S_.nq; ++i) q_lagrangian_[at(i)] += q_cost_[at(i)];
+    lagrangian_.copy(cost_gradient_);
+    q_lagrangian_ = q_cost_;
+    points.add_adjoint(lambda, y_, lagrangian_, q_lagrangian_.data());
+    points.add_rates_transposed(groups.back().y, lagrangian_, q_lagrangian_.data());
     for (std::size_t p = 0; p < pins.size(); ++p)
         lagrangian_.row(pins[p].row)[pins[p].k] += pin_multipliers[p];
 }
@@ -390,11 +373,8 @@ void InteriorPoint::solve_step() {
                 group.t.row(i)[k] = rows.weight.row(i)[k] * r + group.r_slack.row(i)[k];
                 rows.residual.row(i)[k] = group.equality.row(i)[k] * r;
             }
-        if (g + 1 < groups.size() && S_.ng > 0) {
-            class_rows_[g].clear();
-            points.add_Jg_transposed(static_cast<int>(g), group.t, class_rows_[g]);
-            points.scatter(static_cast<int>(g), class_rows_[g], gradient, q_step_right_.data());
-        }
+        if (g + 1 < groups.size())
+            points.add_path_adjoint(static_cast<int>(g), group.t, gradient, q_step_right_.data());
     }
     points.add_rates_transposed(groups.back().t, gradient, q_step_right_.data());
     newton.solve(gradient, q_step_right_.data(), used_defect_, direction_, refinements_);

@@ -150,7 +150,7 @@ private:
     RowBuffer dzl_, dzu_, cost_gradient_, lagrangian_, right_, defect_, trial_defect_,
         used_defect_, trial_z_, cost_step_, entry_z_;
     std::vector<double> dq_zl_, dq_zu_, q_cost_, q_lagrangian_, q_right_, q_step_right_, trial_q_, entry_q_;
-    std::vector<RowBuffer> class_rows_, used_rows_, entry_slack_;
+    std::vector<RowBuffer> used_rows_, entry_slack_;
     std::vector<const RowBuffer*> y_;
     Filter filter_;
     Merit now_{}, trial_merit_{};

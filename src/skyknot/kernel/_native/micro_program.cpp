@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "transpose.hpp"
+#include "block_rows.hpp"
 #include "vector8.hpp"
 
 namespace skyknot::inline SKYKNOT_ISA {
@@ -140,6 +140,12 @@ void MicroProgram::run(const Code* at, const Code* end, const double* const* sou
                 for (std::uint32_t i = 0; i < length; ++i, at += 4)
                     store8(w + at[0], load8(sources[at[1]] + offset_at(at + 2) + first));
                 break;
+            case Builder::load_further:
+                for (std::uint32_t i = 0; i < length; ++i, at += 5) {
+                    const double* const from = sources[at[1]] + offset_at(at + 2) + first;
+                    store_wide(w + at[0], load_next(from, at[4]));
+                }
+                break;
             case Builder::scalar_load:
                 for (std::uint32_t i = 0; i < length; ++i, at += 2)
                     store8(w + at[0], broadcast8(scalars[at[1]]));
@@ -193,11 +199,25 @@ Value Builder::input(std::uint32_t source, std::size_t row, std::ptrdiff_t shift
     return read(source, static_cast<std::uint32_t>(static_cast<std::ptrdiff_t>(row * stride_) + shift));
 }
 
-Value Builder::read(std::uint32_t source, std::uint32_t offset) {
+Value Builder::block_input(std::uint32_t source, std::size_t row, std::size_t rows, bool next) {
+    return read(source, static_cast<std::uint32_t>(row * lane_count),
+                next ? static_cast<std::uint32_t>(rows * lane_count) : 0);
+}
+
+Value Builder::read(std::uint32_t source, std::uint32_t offset, std::uint32_t further) {
     const std::uint64_t key = (std::uint64_t{source} << 32) | offset;
-    if (const auto found = inputs_.find(key); found != inputs_.end()) return {found->second};
-    const Value value = record({load, 0, -1, source, offset, {}});
-    inputs_.emplace(key, value.id);
+    auto& known = further > 0 ? inputs_further_ : inputs_;
+    if (const auto found = known.find(key); found != known.end()) return {found->second};
+    Step step{further > 0 ? load_further : load, 0, -1, source, offset, {}};
+    step.further = further;
+    const Value value = record(std::move(step));
+    known.emplace(key, value.id);
+    return value;
+}
+
+Value Builder::reserve() {
+    const Value value{values_++};
+    place(value);
     return value;
 }
 
@@ -451,9 +471,13 @@ void Builder::write_code(const Step& step, SlotOf of, std::vector<std::uint32_t>
         return;
     }
     code.push_back(of(step.kind == store ? step.start : step.result));
-    if (step.kind == load || step.kind == store) to_place();
-    else if (step.kind == scalar_load) code.push_back(step.buffer);
-    else code.push_back(of(step.start));
+    switch (step.kind) {
+        case store:
+        case load: to_place(); break;
+        case load_further: to_place(), code.push_back(step.further); break;
+        case scalar_load: code.push_back(step.buffer); break;
+        default: code.push_back(of(step.start));
+    }
     for (const auto& [a, b] : step.terms)
         code.insert(code.end(), {step.is_stored() ? static_cast<std::uint32_t>(a) : of(a), of(b)});
     for (std::size_t terms = step.terms.size(); terms < shape(step) >> 4; ++terms)

@@ -81,7 +81,12 @@ public:
         stored_source_ = source;
         return read(source, static_cast<std::uint32_t>(row * lane_count));
     }
+    // Row `row` of a source whose rows, `rows` of them, stand eight columns after eight; its pointer
+    // is to the block of column `first`, less `first`. `next`: one column further.
+    Value block_input(std::uint32_t source, std::size_t row, std::size_t rows, bool next);
     Value scalar(std::uint32_t index);
+    // A value that the caller writes into the workspace, at its place, before every run.
+    Value reserve();
 
     // start + Σ a b, or start − Σ a b.
     Value dot(const std::vector<Term>& terms, Value start = {}, bool subtract = false);
@@ -110,6 +115,7 @@ public:
 
     enum Kind : std::uint32_t {
         load,
+        load_further,
         scalar_load,
         dot_add,
         dot_subtract,
@@ -132,6 +138,7 @@ private:
         // in the block and a factor
         std::vector<std::pair<std::int32_t, std::int32_t>> terms;
         Eight eight{};  // what a block is written from, or a panel starts from
+        std::uint32_t further = 0;  // from one block of a source to the next
         std::uint32_t phase = 0;
         bool writes() const { return kind >= store; }
         bool is_panel() const { return kind == panel_store || kind == panel_start_store; }
@@ -139,7 +146,7 @@ private:
     };
     Value record(Step step);
     void write(Step step);
-    Value read(std::uint32_t source, std::uint32_t offset);
+    Value read(std::uint32_t source, std::uint32_t offset, std::uint32_t further = 0);
     template <class Visit>
     void visit_operands(const Step& step, Visit visit) const;
     static std::uint32_t shape(const Step& step);
@@ -153,7 +160,7 @@ private:
     std::int32_t values_ = 0, one_ = -2;
     std::vector<Step> steps_;
     std::vector<std::pair<std::int32_t, double>> constants_;
-    std::unordered_map<std::uint64_t, std::int32_t> inputs_;
+    std::unordered_map<std::uint64_t, std::int32_t> inputs_, inputs_further_;
     std::map<std::vector<std::int32_t>, std::int32_t> dots_;  // said once, computed once
     std::vector<Eight> rows8_;
     std::vector<std::uint32_t> rows8_places_;

@@ -57,7 +57,6 @@ Newton::Newton(Points& points, const Tape& terminal, bool elastic)
       residual_q_(at(S_.nq)),
       step_scalars_(scalar::first_global + at(S_.nq)),
       factor_sources_(source::first_class + 2 * at(S_.classes())),
-      nu_(S_, S_.nx),
       terminal_workspace_(make_workspace(terminal.workspace_size(8))),
       factor_workspace_(make_workspace(lane_count * elimination_.factor.slots())),
       reduce_workspace_(make_workspace(lane_count * elimination_.reduce.slots())),
@@ -65,8 +64,6 @@ Newton::Newton(Points& points, const Tape& terminal, bool elastic)
       terminal_hessian_(at((S_.nx + S_.nq) * (S_.nx + S_.nq))) {
     for (int i = 0; i < S_.nq; ++i) border_.push_back(riccati_.right_side());
     for (int c = 0; c < S_.classes(); ++c) {
-        y_.emplace_back(S_, S_.ny());
-        out_.emplace_back(S_, S_.ny());
         F_.emplace_back(S_, S_.nx);
     }
     for (int c = 0; c <= S_.classes(); ++c) {
@@ -189,11 +186,7 @@ void Newton::structured_solve(const RowBuffer& g, const double* g_q, const RowBu
 }
 
 void Newton::apply_rows(const RowBuffer& v, const double* q) {
-    for (int c = 0; c < S_.classes(); ++c) {
-        if (S_.ng == 0) continue;
-        points_.gather(c, v, q, y_[at(c)]);
-        points_.Jg(c, y_[at(c)], groups[at(c)].linear);
-    }
+    for (int c = 0; c < S_.classes(); ++c) points_.path_products(c, v, q, groups[at(c)].linear);
     points_.rates(v, q, groups.back().linear);
 }
 
@@ -203,21 +196,11 @@ double Newton::residual(const RowBuffer& r, const double* r_q, const RowBuffer& 
     gradient_.copy(r);
     std::vector<double>& out_q = residual_q_;
     std::copy_n(r_q, at(S_.nq), out_q.begin());
-    apply_rows(now.v, now.q.data());
+    points_.rates(now.v, now.q.data(), groups.back().linear);
     for (int c = 0; c < S_.classes(); ++c) {
         const std::size_t C = at(c);
-        points_.gather(c, now.v, now.q.data(), y_[C]);
-        out_[C].clear();
-        points_.add_H(c, y_[C], out_[C]);
-        points_.spread_multipliers(c, now.lambda, nu_);
-        points_.add_JF_transposed(c, nu_, out_[C]);
-        points_.JF(c, y_[C], F_[C]);
-        for (int i = 0; i < S_.ng; ++i)
-            for (int k = 0; k < S_.class_count(c); ++k)
-                t_[C].row(i)[k] = groups[C].weight.row(i)[k] * groups[C].linear.row(i)[k] +
-                                  now.equality[C].row(i)[k];
-        if (S_.ng > 0) points_.add_Jg_transposed(c, t_[C], out_[C]);
-        points_.scatter(c, out_[C], gradient_, out_q.data());
+        points_.add_products(c, now.v, now.q.data(), now.lambda,
+                             {groups[C].weight, now.equality[C], groups[C].linear}, F_[C], gradient_, out_q.data());
     }
     Group& rate = groups.back();
     for (int i = 0; i < rate.weight.rows(); ++i)
@@ -278,11 +261,8 @@ double Newton::solve(const RowBuffer& r, const double* r_q, const RowBuffer& d, 
                 for (int k = 0; k <= S_.N; ++k)
                     t_[at(c)].row(i)[k] = group.equality.row(i)[k] *
                                           (group.residual.row(i)[k] + group.linear.row(i)[k]);
-            if (c < S_.classes() && S_.ng > 0) {
-                out_[at(c)].clear();
-                points_.add_Jg_transposed(c, t_[at(c)], out_[at(c)]);
-                points_.scatter(c, out_[at(c)], gradient_, residual_q_.data());
-            }
+            if (c < S_.classes())
+                points_.add_path_adjoint(c, t_[at(c)], gradient_, residual_q_.data());
         }
         points_.add_rates_transposed(t_.back(), gradient_, residual_q_.data());
         structured_solve(gradient_, residual_q_.data(), defect_, step_, step_q_.data(), lambda_);

@@ -80,7 +80,7 @@ public:
 
 private:
     void fill_terminal();
-    bool factor_blocks(const std::vector<const double*>& sources);
+    bool factor_blocks(std::vector<const double*>& sources);
     double* segment_block(int first) {
         return segment_.get() + static_cast<std::size_t>(first) * elimination_.segment_rows - first;
     }
@@ -113,8 +113,7 @@ private:
     Direction kept_;  // before the last refinement
     std::vector<double> gradient_q_, step_q_, residual_q_, step_scalars_;
     std::vector<const double*> factor_sources_;
-    std::vector<RowBuffer> y_, out_, F_;
-    RowBuffer nu_;
+    std::vector<BlockRows> F_;
     std::vector<RowBuffer> t_;
     Workspace terminal_workspace_, factor_workspace_, reduce_workspace_, expand_workspace_;
     std::vector<double> terminal_hessian_;
@@ -123,7 +122,7 @@ private:
 template <class Add>
 void Newton::visit_node_hessian(int k, Add add) const {
     const auto entry = [&](int row, std::size_t e) {
-        return points_.rows[0].row(row + static_cast<int>(e))[k];
+        return points_.rows[0](row + static_cast<int>(e), k);
     };
     for (std::size_t e = 0; e < S_.H.size(); ++e) {
         const double h = entry(S_.row_H(), e);

@@ -43,7 +43,6 @@ bool Newton::factor() {
     sources[source::weight_v] = weight_v.origin();
     sources[source::weight_r] = groups.back().total.origin();
     for (int c = 0; c < S_.classes(); ++c) {
-        sources[source::first_class + 2 * at(c)] = points_.rows[at(c)].origin();
         sources[source::first_class + 2 * at(c) + 1] = groups[at(c)].total.origin();
     }
     fill_terminal();
@@ -54,11 +53,13 @@ bool Newton::factor() {
 
 // Eliminates eight segments, factors their stages, and goes on towards the start; an indefinite
 // stage ends it at once.
-bool Newton::factor_blocks(const std::vector<const double*>& sources) {
+bool Newton::factor_blocks(std::vector<const double*>& sources) {
     const double scalars[] = {regularisation, elastic_weight};
     const StageLayout& layout = riccati_.layout();
     for (int first = (S_.N - 1) / lane_count * lane_count; first >= 0; first -= lane_count) {
         double* const targets[] = {segment_block(first), nullptr, nullptr};
+        for (int c = 0; c < S_.classes(); ++c)
+            sources[source::first_class + 2 * at(c)] = points_.rows[at(c)].block(first) - first;
         const int filled = std::min(lane_count, S_.N - first);
         const Blocks blocks[] = {{riccati_.stage(first), layout.size()},
                                  {riccati_.hessian(first), layout.hessian_size()}};

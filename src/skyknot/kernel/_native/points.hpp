@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "block_rows.hpp"
+#include "point_products.hpp"
 #include "row_buffer.hpp"
 #include "structure.hpp"
 #include "tape.hpp"
@@ -19,7 +21,7 @@ public:
     // value: (x, u, q, τ, p) → (L, F, g); full: (x, u, q, τ, p, c, ν, y) → class rows.
     Points(const Structure& structure, const Tape& value, const Tape& full);
 
-    std::vector<RowBuffer> rows;       // class rows, one buffer a class
+    std::vector<BlockRows> rows;       // class rows, one buffer a class
     std::vector<RowBuffer> time;       // τ, one row a class
     std::vector<RowBuffer> cost;       // c, one row a class
     RowBuffer length;                  // row 0: δ; then each rate row's coefficient of the duration
@@ -30,6 +32,7 @@ public:
     // Everything at z with multipliers λ (D rows) and y (one buffer of ng rows a class).
     void differentiate(const RowBuffer& z, const double* q, const RowBuffer& lambda,
                        const std::vector<const RowBuffer*>& y);
+    void clear_hessian();
     // Σ c L over all points.
     double cost_sum() const;
     // D rows: predicted minus actual.
@@ -38,24 +41,31 @@ public:
     void rates(const RowBuffer& v, const double* q, RowBuffer& out) const;
     void add_rates_transposed(const RowBuffer& t, RowBuffer& v, double* globals) const;
 
-    // (x, u, q) rows of a class at z or at a step.
-    void gather(int c, const RowBuffer& v, const double* q, RowBuffer& out) const;
-    // Adds (x, u) rows of a class to V rows and sums q rows into `globals`.
-    void scatter(int c, const RowBuffer& in, RowBuffer& v, double* globals) const;
-    // ν rows of a class.
-    void spread_multipliers(int c, const RowBuffer& lambda, RowBuffer& nu) const;
-    // out += ∂Fᵀ ν, ∂gᵀ t, H y, and the gradient of c L.
-    void add_JF_transposed(int c, const RowBuffer& nu, RowBuffer& out) const;
-    void add_Jg_transposed(int c, const RowBuffer& t, RowBuffer& out) const;
-    void add_H(int c, const RowBuffer& y, RowBuffer& out) const;
-    void add_cost_gradient(int c, RowBuffer& out) const;
-    // ∂F y (nx rows) and ∂g y (ng rows), overwriting.
-    void JF(int c, const RowBuffer& y, RowBuffer& out) const;
-    void Jg(int c, const RowBuffer& y, RowBuffer& out) const;
+    // What follows adds to V rows and to the globals.
+    //
+    // Gradient of Σ c L.
+    void add_cost_gradient(RowBuffer& v, double* globals);
+    // Gradient of λᵀ defects + Σ yᵀ g; without `y`, of the defects alone.
+    void add_adjoint(const RowBuffer& lambda, const std::vector<const RowBuffer*>& y, RowBuffer& v,
+                     double* globals);
+    // ∂gᵀ t of a class.
+    void add_path_adjoint(int c, const RowBuffer& t, RowBuffer& v, double* globals);
+    // ∂g δ of a class, overwriting `out`.
+    void path_products(int c, const RowBuffer& step, const double* step_q, RowBuffer& out);
+
+    // Path rows of a class in the Newton system: weight D, multiplier y of equalities; D ∂g δ + y
+    // acts on the gradient, `linear` takes ∂g δ.
+    struct PathRows {
+        const RowBuffer &weight, &multiplier;
+        RowBuffer& linear;
+    };
+    // H δ + ∂Fᵀ ν + ∂gᵀ (D ∂g δ + y) of a class; F takes ∂F δ, nx rows.
+    void add_products(int c, const RowBuffer& step, const double* step_q, const RowBuffer& lambda,
+                      const PathRows& path, BlockRows& F, RowBuffer& v, double* globals);
     // Adds Σ_i C_ij λ_i to the V rows of the states.
     void add_C_transposed(const RowBuffer& lambda, RowBuffer& v) const;
     // d = Σ C x + δ Σ A F over D rows, F given as nx rows a class.
-    void combine(const RowBuffer& v, const std::vector<RowBuffer>& F, int first_row,
+    void combine(const RowBuffer& v, const std::vector<BlockRows>& F, int first_row,
                  RowBuffer& d) const;
 
     const Structure& structure() const { return S_; }
@@ -63,15 +73,25 @@ public:
 
 private:
     void run(const Tape& tape, double* workspace, int c, const RowBuffer& z, const double* q,
-             const RowBuffer* nu, const RowBuffer* y);
+             const RowBuffer* lambda, const RowBuffer* y);
     const double* state(int c, const RowBuffer& v, int i) const;
     std::pair<int, int> rate_place(const RateRow& row, int m) const;
+    // Of eight points of a class, from `first`: their (x, u, q), and their ν; a row every `stride`.
+    void gather(int c, int first, const RowBuffer& v, const double* q, double* to, int stride) const;
+    void gather_multipliers(int c, int first, const RowBuffer& lambda, double* to, int stride) const;
+    // Adds what eight points gave, entry i of (x, u, q) at row(i), to V rows and globals.
+    template <class Row>
+    void scatter(int c, int first, Row row, RowBuffer& v, double* globals) const;
+    void load_rows(const RowBuffer& from, int first, double* to) const;
+    template <class Block>
+    void for_blocks(int c, Block block);
 
     Structure S_;
     const Tape& value_;
     const Tape& full_;
     Workspace value_workspace_, full_workspace_;
-    RowBuffer nu_;
+    Workspace gradient_;  // of the cost at eight points; zero where it has no entry
+    PointProducts step_, adjoint_, path_step_, path_adjoint_;
 };
 
 }  // namespace skyknot::inline SKYKNOT_ISA

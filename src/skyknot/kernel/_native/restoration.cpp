@@ -105,10 +105,7 @@ double InteriorPoint::violation(bool trial, double mu) const {
 // Gauss–Newton system of the violation: Jacobians only, violated rows with weight one.
 void InteriorPoint::assemble_violation(double mu, Newton& system) {
     differentiate();
-    for (int c = 0; c < S_.classes(); ++c)
-        for (std::size_t k = 0; k < S_.H.size(); ++k)
-            std::fill_n(points.rows[static_cast<std::size_t>(c)].row(S_.row_H() + static_cast<int>(k)),
-                        S_.class_count(c), 0.0);
+    points.clear_hessian();
     right_.clear();
     std::fill(q_right_.begin(), q_right_.end(), 0.0);
     for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -119,11 +116,8 @@ void InteriorPoint::assemble_violation(double mu, Newton& system) {
                 system.groups[g].weight.row(i)[k] = r != 0.0 ? 1.0 : 0.0;
                 group.t.row(i)[k] = r;
             }
-        if (g + 1 < groups.size() && S_.ng > 0) {
-            class_rows_[g].clear();
-            points.add_Jg_transposed(static_cast<int>(g), group.t, class_rows_[g]);
-            points.scatter(static_cast<int>(g), class_rows_[g], right_, q_right_.data());
-        }
+        if (g + 1 < groups.size())
+            points.add_path_adjoint(static_cast<int>(g), group.t, right_, q_right_.data());
     }
     points.add_rates_transposed(groups.back().t, right_, q_right_.data());
     system.weight_v.clear();

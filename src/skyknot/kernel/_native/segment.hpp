@@ -44,7 +44,7 @@ struct Segment {
     Value class_row(int column, int row) {
         const bool next = S.shared && column == S.classes();
         const auto owner = static_cast<std::uint32_t>(next ? 0 : column);
-        return b.input(source::first_class + 2 * owner, index(row), next ? 1 : 0);
+        return b.block_input(source::first_class + 2 * owner, index(row), index(S.class_rows()), next);
     }
     Value path_weight(int column, int row) {
         return b.input(source::first_class + 2 * static_cast<std::uint32_t>(column) + 1, index(row));
