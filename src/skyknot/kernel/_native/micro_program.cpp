@@ -25,21 +25,44 @@ std::uint32_t filled_up(std::size_t terms) {
     return static_cast<std::uint32_t>(terms);
 }
 
+struct Four {
+    std::size_t first, second, third, fourth;
+    std::ptrdiff_t offset() const { return static_cast<std::ptrdiff_t>(third | fourth << 16); }
+};
+
+// Four numbers of the code, narrow ones by one load: loads are what dots are short of.
+template <class Code>
+SKYKNOT_INLINE Four four_at(const Code* at) {
+    if constexpr (sizeof(Code) != 2) return {at[0], at[1], at[2], at[3]};
+    std::uint64_t all;
+    std::memcpy(&all, at, sizeof all);
+    return {all & 0xffff, all >> 16 & 0xffff, all >> 32 & 0xffff, all >> 48};
+}
+
+template <bool subtract>
+SKYKNOT_INLINE void add_term(Vector8& sum, const double* a, const double* b) {
+    if constexpr (subtract) sum -= load8(a) * load8(b);
+    else sum += load8(a) * load8(b);
+}
+
 // The first factors stand at `a`, the second ones in the workspace.
 template <bool subtract, std::uint32_t count, class Code>
 [[gnu::always_inline]] inline const Code* dots(const Code* at, std::uint32_t length, const double* a,
                                                double* w, std::uint32_t terms) {
     const std::uint32_t n = count == 0 ? terms : count;
     for (std::uint32_t i = 0; i < length; ++i) {
-        double* const result = w + at[0];
-        Vector8 sum = load8(w + at[1]);
-        at += 2;
-        for (std::uint32_t t = 0; t < n; ++t, at += 2) {
-            const Vector8 product_a = load8(a + at[0]), product_b = load8(w + at[1]);
-            if constexpr (subtract) sum -= product_a * product_b;
-            else sum += product_a * product_b;
+        const Four head = four_at(at);
+        Vector8 sum = load8(w + head.second);
+        add_term<subtract>(sum, a + head.third, w + head.fourth);
+        at += 4;
+        std::uint32_t t = 1;
+        for (; t + 2 <= n; t += 2, at += 4) {
+            const Four pairs = four_at(at);
+            add_term<subtract>(sum, a + pairs.first, w + pairs.second);
+            add_term<subtract>(sum, a + pairs.third, w + pairs.fourth);
         }
-        store8(result, sum);
+        if (t < n) add_term<subtract>(sum, a + at[0], w + at[1]), at += 2;
+        store8(w + head.first, sum);
     }
     return at;
 }
@@ -137,13 +160,16 @@ void MicroProgram::run(const Code* at, const Code* end, const double* const* sou
         at += 2;
         switch (static_cast<Builder::Kind>(head & 15u)) {
             case Builder::load:
-                for (std::uint32_t i = 0; i < length; ++i, at += 4)
-                    store8(w + at[0], load8(sources[at[1]] + offset_at(at + 2) + first));
+                for (std::uint32_t i = 0; i < length; ++i, at += 4) {
+                    const Four code = four_at(at);
+                    store8(w + code.first, load8(sources[code.second] + code.offset() + first));
+                }
                 break;
             case Builder::load_further:
                 for (std::uint32_t i = 0; i < length; ++i, at += 5) {
-                    const double* const from = sources[at[1]] + offset_at(at + 2) + first;
-                    store_wide(w + at[0], load_next(from, at[4]));
+                    const Four code = four_at(at);
+                    const double* const from = sources[code.second] + code.offset() + first;
+                    store_wide(w + code.first, load_next(from, at[4]));
                 }
                 break;
             case Builder::scalar_load:
@@ -159,8 +185,10 @@ void MicroProgram::run(const Code* at, const Code* end, const double* const* sou
                     store8(w + at[0], 1.0 / load8(w + at[1]));
                 break;
             case Builder::store:
-                for (std::uint32_t i = 0; i < length; ++i, at += 4)
-                    store8(targets[at[1]] + offset_at(at + 2) + first, load8(w + at[0]));
+                for (std::uint32_t i = 0; i < length; ++i, at += 4) {
+                    const Four code = four_at(at);
+                    store8(targets[code.second] + code.offset() + first, load8(w + code.first));
+                }
                 break;
             case Builder::block_store:
                 for (std::uint32_t i = 0; i < length; ++i, at += 11) {
