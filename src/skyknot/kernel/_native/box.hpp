@@ -44,23 +44,28 @@ struct Box {
     }
     // Σ = z_l / (v − l) + z_u / (u − v), added to `weight`.
     void add_sigma(double* weight) const {
-        for (int k = 0; k < count; ++k)
-            weight[k] += zl[k] / (value[k] - lower[k]) + zu[k] / (upper[k] - value[k]);
+        assign(count, weight, [&, this](auto read) SKYKNOT_LAMBDA {
+            const Vector8 v = read(value);
+            return read(weight) + read(zl) / (v - read(lower)) + read(zu) / (read(upper) - v);
+        });
     }
     // Gradient of the barrier term, − μ/(v − l) + μ/(u − v), added to `out`.
     void add_barrier_gradient(double mu, double* out) const {
-        for (int k = 0; k < count; ++k)
-            out[k] += mu / (upper[k] - value[k]) - mu / (value[k] - lower[k]);
+        assign(count, out, [&, this](auto read) SKYKNOT_LAMBDA {
+            const Vector8 v = read(value);
+            return read(out) + mu / (read(upper) - v) - mu / (v - read(lower));
+        });
     }
     void add_multipliers(double* out) const {
         for (int k = 0; k < count; ++k) out[k] += zu[k] - zl[k];
     }
     void multiplier_steps(double mu) {
-        for (int k = 0; k < count; ++k) {
-            const double below = value[k] - lower[k], above = upper[k] - value[k];
-            dzl[k] = (mu - zl[k] * step[k]) / below - zl[k];
-            dzu[k] = (mu + zu[k] * step[k]) / above - zu[k];
-        }
+        assign(count, dzl, [&, this](auto read) SKYKNOT_LAMBDA {
+            return (mu - read(zl) * read(step)) / (read(value) - read(lower)) - read(zl);
+        });
+        assign(count, dzu, [&, this](auto read) SKYKNOT_LAMBDA {
+            return (mu + read(zu) * read(step)) / (read(upper) - read(value)) - read(zu);
+        });
     }
     double longest_primal(double tau, double at_most) const {
         return smallest(count, at_most, [&, this](auto read) SKYKNOT_LAMBDA {
@@ -80,11 +85,17 @@ struct Box {
     // Multipliers move, then stay within κ of the central path's.
     void move_multipliers(double alpha, double mu) {
         constexpr double kappa = 1e10;
-        for (int k = 0; k < count; ++k) {
-            const double below = mu / (value[k] - lower[k]), above = mu / (upper[k] - value[k]);
-            zl[k] = std::clamp(zl[k] + alpha * dzl[k], below / kappa, kappa * below);
-            zu[k] = std::clamp(zu[k] + alpha * dzu[k], above / kappa, kappa * above);
-        }
+        const auto move = [=](const Vector8& z, const Vector8& dz, const Vector8& distance)
+                              SKYKNOT_LAMBDA {
+            const Vector8 central = mu / distance;
+            return smaller(larger(z + alpha * dz, central * (1.0 / kappa)), central * kappa);
+        };
+        assign(count, zl, [&, this](auto read) SKYKNOT_LAMBDA {
+            return move(read(zl), read(dzl), read(value) - read(lower));
+        });
+        assign(count, zu, [&, this](auto read) SKYKNOT_LAMBDA {
+            return move(read(zu), read(dzu), read(upper) - read(value));
+        });
     }
     // Σ log of the distances at `at`; −inf outside.
     double log_distances(const double* at) const {

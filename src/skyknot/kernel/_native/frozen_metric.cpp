@@ -128,7 +128,7 @@ void FrozenMetric::product(const RowBuffer& v, const std::vector<double>& q) {
     for (int c = 0; c < S_.classes(); ++c)
         held_.points.add_products(c, v, q.data(), no_multipliers_, {nothing_, nothing_, path_},
                                   rates_[at(c)], gradient, gradient_q.data());
-    held_.points.combine(v, rates_, 0, defect);
+    held_.points.combine(v, rates_, 0, nullptr, defect);
     const double delta = held_.newton.regularisation;
     for (int row = 0; row < S_.v_rows(); ++row)
         for (int k = 0; k < S_.count(row); ++k) gradient.row(row)[k] += delta * v.row(row)[k];

@@ -172,7 +172,7 @@ InteriorPoint::Merit InteriorPoint::merit(bool trial) const {
 bool InteriorPoint::initialise(const Settings& settings) {
     newton.pins = pins;
     newton.pin_weight = equality_weight;
-    direction_ = newton.direction();
+    direction_.pins.assign(pins.size(), 0.0);
     y_.clear();
     for (std::size_t c = 0; c < groups.size(); ++c) {
         y_.push_back(&groups[c].y);
@@ -229,7 +229,7 @@ void InteriorPoint::estimate_multipliers() {
     const bool factored = newton.factor();
     newton.regularisation = 0.0;
     if (!factored) return;
-    newton.solve(right_, q_right_.data(), used_defect_, direction_, refinements_);
+    newton.solve(right_, q_right_.data(), used_defect_, direction_, 0);
     double most = 0.0;
     for (int i = 0; i < lambda.rows(); ++i)
         for (int k = 0; k < S_.N; ++k) most = std::max(most, std::abs(direction_.lambda.row(i)[k]));

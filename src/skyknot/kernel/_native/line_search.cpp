@@ -48,7 +48,7 @@ void InteriorPoint::make_trial(double alpha) {
 // The filter's verdict on a trial point; sets whether the filter must grow.
 bool InteriorPoint::accept(const Merit& trial, double alpha, double descent) {
     if (!std::isfinite(trial.phi) || !filter_.accepts(trial.theta, trial.phi)) return false;
-    const double slack = rounding * std::abs(now_.phi);
+    const double slack = rounding * (1.0 + std::abs(now_.phi));
     const double theta_small = 1e-4 * std::max(1.0, theta_start_);
     const bool switching = descent < 0.0 && alpha * std::pow(-descent, s_phi) >
                                                 std::pow(now_.theta, s_theta);

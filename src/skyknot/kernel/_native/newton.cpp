@@ -193,14 +193,21 @@ void Newton::apply_rows(const RowBuffer& v, const double* q) {
 // Residual of the unreduced system at `at`: into gradient_, residual_q_ and defect_.
 double Newton::residual(const RowBuffer& r, const double* r_q, const RowBuffer& d,
                         Direction& now) {
-    gradient_.copy(r);
+    for (int row = 0; row < S_.v_rows(); ++row) {
+        const double *from = r.row(row), *weight = weight_v.row(row), *step = now.v.row(row);
+        assign(S_.count(row), gradient_.row(row), [=, this](auto read) SKYKNOT_LAMBDA {
+            return read(from) + (read(weight) + regularisation) * read(step);
+        });
+    }
     std::vector<double>& out_q = residual_q_;
-    std::copy_n(r_q, at(S_.nq), out_q.begin());
+    for (int i = 0; i < S_.nq; ++i)
+        out_q[at(i)] = r_q[i] + (weight_q[at(i)] + regularisation) * now.q[at(i)];
     points_.rates(now.v, now.q.data(), groups.back().linear);
     for (int c = 0; c < S_.classes(); ++c) {
         const std::size_t C = at(c);
         points_.add_products(c, now.v, now.q.data(), now.lambda,
-                             {groups[C].weight, now.equality[C], groups[C].linear}, F_[C], gradient_, out_q.data());
+                             {groups[C].weight, now.equality[C], groups[C].linear}, F_[C],
+                             gradient_, out_q.data());
     }
     Group& rate = groups.back();
     for (int i = 0; i < rate.weight.rows(); ++i)
@@ -209,9 +216,6 @@ double Newton::residual(const RowBuffer& r, const double* r_q, const RowBuffer& 
                                   now.equality.back().row(i)[k];
     points_.add_rates_transposed(t_.back(), gradient_, out_q.data());
     points_.add_C_transposed(now.lambda, gradient_);
-    for (int row = 0; row < S_.v_rows(); ++row)
-        for (int k = 0; k < S_.count(row); ++k)
-            gradient_.row(row)[k] += (weight_v.row(row)[k] + regularisation) * now.v.row(row)[k];
     const int n = S_.nx + S_.nq;
     const auto terminal_step = [&](int i) {
         return i < S_.nx ? now.v.row(S_.state_row(0, i))[S_.N] : now.q[at(i - S_.nx)];
@@ -222,12 +226,8 @@ double Newton::residual(const RowBuffer& r, const double* r_q, const RowBuffer& 
         if (i < S_.nx) gradient_.row(S_.state_row(0, i))[S_.N] += sum;
         else out_q[at(i - S_.nx)] += sum;
     }
-    for (int i = 0; i < S_.nq; ++i)
-        out_q[at(i)] += (weight_q[at(i)] + regularisation) * now.q[at(i)];
     for (std::size_t p = 0; p < pins.size(); ++p) gradient_.row(pins[p].row)[pins[p].k] += now.pins[p];
-    points_.combine(now.v, F_, 0, defect_);
-    for (int i = 0; i < defect_.rows(); ++i)
-        for (int k = 0; k < S_.N; ++k) defect_.row(i)[k] += d.row(i)[k];
+    points_.combine(now.v, F_, 0, &d, defect_);
 
     double most = largest_defect(defect_, S_);
     for (const Group& group : groups)
@@ -244,7 +244,6 @@ double Newton::residual(const RowBuffer& r, const double* r_q, const RowBuffer& 
 
 double Newton::solve(const RowBuffer& r, const double* r_q, const RowBuffer& d, Direction& out,
                      int refinements) {
-    out.v.clear(), out.lambda.clear();
     std::fill(out.q.begin(), out.q.end(), 0.0);
     std::fill(out.pins.begin(), out.pins.end(), 0.0);
     for (RowBuffer& rows : out.equality) rows.clear();
@@ -266,10 +265,8 @@ double Newton::solve(const RowBuffer& r, const double* r_q, const RowBuffer& d, 
         }
         points_.add_rates_transposed(t_.back(), gradient_, residual_q_.data());
         structured_solve(gradient_, residual_q_.data(), defect_, step_, step_q_.data(), lambda_);
-        for (int row = 0; row < S_.v_rows(); ++row)
-            for (int k = 0; k < S_.count(row); ++k) out.v.row(row)[k] += step_.row(row)[k];
-        for (int i = 0; i < out.lambda.rows(); ++i)
-            for (int k = 0; k < S_.N; ++k) out.lambda.row(i)[k] += lambda_.row(i)[k];
+        if (pass == 0) out.v.copy(step_), out.lambda.copy(lambda_);
+        else out.v.add(step_), out.lambda.add(lambda_);
         for (int i = 0; i < S_.nq; ++i) out.q[at(i)] += step_q_[at(i)];
         // from this pass's step: of the sum, rounding times the weight would remain
         apply_rows(step_, step_q_.data());

@@ -132,11 +132,11 @@ double Points::cost_sum() const {
 }
 
 void Points::defects(const RowBuffer& z, RowBuffer& d) const {
-    combine(z, rows, S_.row_F(), d);
+    combine(z, rows, S_.row_F(), nullptr, d);
 }
 
 void Points::combine(const RowBuffer& v, const std::vector<BlockRows>& F, int first_row,
-                     RowBuffer& d) const {
+                     const RowBuffer* base, RowBuffer& d) const {
     const int n = static_cast<int>(S_.used.size());
     for (int first = 0; first < S_.N; first += 8)
         for (int i = 0; i < S_.s - 1; ++i)
@@ -151,6 +151,7 @@ void Points::combine(const RowBuffer& v, const std::vector<BlockRows>& F, int fi
                     sum += a * (next ? load_next(f, from.stride()) : load_wide(f));
                 }
                 sum *= load_wide(length.row(0) + first);
+                if (base != nullptr) sum += load_wide(base->row(i * S_.nx + r) + first);
                 for (int j = 0; j < S_.s; ++j) {
                     const double weight = S_.C[at(i * S_.s + j)];
                     if (weight == 0.0) continue;

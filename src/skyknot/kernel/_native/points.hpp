@@ -64,9 +64,9 @@ public:
                       const PathRows& path, BlockRows& F, RowBuffer& v, double* globals);
     // Adds Σ_i C_ij λ_i to the V rows of the states.
     void add_C_transposed(const RowBuffer& lambda, RowBuffer& v) const;
-    // d = Σ C x + δ Σ A F over D rows, F given as nx rows a class.
+    // d = Σ C x + δ Σ A F over D rows, F given as nx rows a class; added to `base` where there is one.
     void combine(const RowBuffer& v, const std::vector<BlockRows>& F, int first_row,
-                 RowBuffer& d) const;
+                 const RowBuffer* base, RowBuffer& d) const;
 
     const Structure& structure() const { return S_; }
     long value_runs = 0, full_runs = 0;

@@ -1,4 +1,4 @@
-// Sums and maxima over rows, eight entries at a time.
+// Sums, maxima and updates of rows, eight entries at a time.
 //
 // Each takes a function of a reader: `read(p)` gives eight consecutive entries of row p. The last
 // entries of a row that is no multiple of eight are read again rather than beyond its end.
@@ -73,6 +73,18 @@ SKYKNOT_INLINE double largest_absolute(const double* row, int count, double at_l
 
 SKYKNOT_INLINE double sum_absolute(const double* row, int count) {
     return total(count, [=](auto read) SKYKNOT_LAMBDA { return absolute(read(row)); });
+}
+
+// out = f, eight entries at a time.
+template <class F>
+SKYKNOT_INLINE void assign(int count, double* out, F f) {
+    int k = 0;
+    for (; k + 8 <= count; k += 8) store8(out + k, f(FullRead{k}));
+    if (k < count) {
+        double entries[8];
+        f(LastRead{k, count}).store(entries);
+        for (int lane = 0; lane < count - k; ++lane) out[k + lane] = entries[lane];
+    }
 }
 
 // Σ log f over a row for f > 0: mantissas are multiplied, exponents added, one logarithm a row.

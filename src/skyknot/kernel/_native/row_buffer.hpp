@@ -28,6 +28,9 @@ public:
 
     void clear() { std::fill_n(memory_.get(), size(), 0.0); }
     void copy(const RowBuffer& other) { std::copy_n(other.memory_.get(), size(), memory_.get()); }
+    void add(const RowBuffer& other) {
+        for (std::size_t i = 0; i < size(); ++i) memory_[i] += other.memory_[i];
+    }
     void fill(double value) { std::fill_n(memory_.get(), size(), value); }
     std::size_t size() const {
         return static_cast<std::size_t>(rows_ * stride_) + 2 * Structure::front;
