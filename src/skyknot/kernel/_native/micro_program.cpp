@@ -8,7 +8,7 @@
 
 namespace skyknot::inline SKYKNOT_ISA {
 
-// Code: a run is [kind | terms << 4, length] followed by `length` instructions of that shape, each
+// Code: a run is [operation | terms << 6, length] followed by `length` instructions of that shape, each
 // [result, start, pairs of factors …], [slot, buffer, offset low, offset high], or
 // [target, offset low, offset high, eight slots (when it has them), pairs of factor and row …].
 // Slots are offsets in doubles.
@@ -16,13 +16,18 @@ namespace {
 
 constexpr std::uint32_t none = UINT32_MAX, longest_run = UINT16_MAX;
 
-// Terms of a dot are filled up with zeros to the next of these, so that there are few shapes.
-constexpr std::uint32_t sizes[] = {1, 2, 3, 4, 6, 8, 12};
+// Terms of a dot are filled up with zeros to the next of these, so that there are few shapes; dots of
+// more terms than the last are of the shape 0.
+constexpr std::array<std::uint32_t, 8> sizes = {1, 2, 3, 4, 6, 8, 12, 0};
 
+std::uint32_t size_of(std::size_t terms) {
+    return static_cast<std::uint32_t>(
+        std::find_if(sizes.begin(), sizes.end() - 1, [=](std::uint32_t n) { return terms <= n; }) -
+        sizes.begin());
+}
 std::uint32_t filled_up(std::size_t terms) {
-    for (const std::uint32_t size : sizes)
-        if (terms <= size) return size;
-    return static_cast<std::uint32_t>(terms);
+    const std::uint32_t size = sizes[size_of(terms)];
+    return size > 0 ? size : static_cast<std::uint32_t>(terms);
 }
 
 struct Four {
@@ -45,24 +50,42 @@ SKYKNOT_INLINE void add_term(Vector8& sum, const double* a, const double* b) {
     else sum += load8(a) * load8(b);
 }
 
-// The first factors stand at `a`, the second ones in the workspace.
-template <bool subtract, std::uint32_t count, class Code>
-[[gnu::always_inline]] inline const Code* dots(const Code* at, std::uint32_t length, const double* a,
-                                               double* w, std::uint32_t terms) {
+// A pass under way. Groups of eight segments stand a stride apart in the workspace.
+struct Running {
+    const Pass& pass;
+    std::size_t stride;
+    const double* stored;  // what is read in place
+
+    double* slots(std::size_t group) const { return pass.workspace + group * stride; }
+    std::ptrdiff_t first(std::size_t group) const {
+        return pass.first + static_cast<std::ptrdiff_t>(lane_count * group);
+    }
+};
+
+// The second factors stand in the workspace, the first ones there or in the kept block.
+template <bool subtract, bool stored, std::uint32_t count, int groups, class Code>
+const Code* dots(const Code* at, std::uint32_t length, std::uint32_t terms, const Running& running) {
     const std::uint32_t n = count == 0 ? terms : count;
+    double* const w = running.pass.workspace;
+    const double* const a = stored ? running.stored : w;
+    const std::size_t ws = running.stride, as = stored ? running.pass.stored_stride : ws;
     for (std::uint32_t i = 0; i < length; ++i) {
         const Four head = four_at(at);
-        Vector8 sum = load8(w + head.second);
-        add_term<subtract>(sum, a + head.third, w + head.fourth);
+        Vector8 sum[groups];
+        const auto add = [&](std::size_t first, std::size_t second) SKYKNOT_LAMBDA {
+            for (std::size_t g = 0; g < groups; ++g)
+                add_term<subtract>(sum[g], a + g * as + first, w + g * ws + second);
+        };
+        for (std::size_t g = 0; g < groups; ++g) sum[g] = load8(w + g * ws + head.second);
+        add(head.third, head.fourth);
         at += 4;
         std::uint32_t t = 1;
         for (; t + 2 <= n; t += 2, at += 4) {
             const Four pairs = four_at(at);
-            add_term<subtract>(sum, a + pairs.first, w + pairs.second);
-            add_term<subtract>(sum, a + pairs.third, w + pairs.fourth);
+            add(pairs.first, pairs.second), add(pairs.third, pairs.fourth);
         }
-        if (t < n) add_term<subtract>(sum, a + at[0], w + at[1]), at += 2;
-        store8(w + head.first, sum);
+        if (t < n) add(at[0], at[1]), at += 2;
+        for (std::size_t g = 0; g < groups; ++g) store8(w + g * ws + head.first, sum[g]);
     }
     return at;
 }
@@ -70,21 +93,6 @@ template <bool subtract, std::uint32_t count, class Code>
 template <class Code>
 [[gnu::always_inline]] inline std::ptrdiff_t offset_at(const Code* at) {
     return static_cast<std::ptrdiff_t>(std::uint32_t{at[0]} | std::uint32_t{at[1]} << 16);
-}
-
-template <bool subtract, class Code>
-inline const Code* run_dots(const Code* at, std::uint32_t length, const double* a, double* w,
-                            std::uint32_t terms) {
-    switch (terms) {
-        case 1: return dots<subtract, 1>(at, length, a, w, terms);
-        case 2: return dots<subtract, 2>(at, length, a, w, terms);
-        case 3: return dots<subtract, 3>(at, length, a, w, terms);
-        case 4: return dots<subtract, 4>(at, length, a, w, terms);
-        case 6: return dots<subtract, 6>(at, length, a, w, terms);
-        case 8: return dots<subtract, 8>(at, length, a, w, terms);
-        case 12: return dots<subtract, 12>(at, length, a, w, terms);
-        default: return dots<subtract, 0>(at, length, a, w, terms);
-    }
 }
 
 // Lane l of the eight vectors goes to block l, side by side.
@@ -122,89 +130,148 @@ template <bool start, class Code>
 }
 
 template <bool start, class Code>
-[[gnu::noinline]] const Code* panels(const Code* at, std::uint32_t length, std::uint32_t terms,
-                                     const double* w, const Blocks* blocks, int filled) {
+const Code* panels(const Code* at, std::uint32_t length, std::uint32_t terms, const Running& running) {
     for (std::uint32_t i = 0; i < length; ++i) {
-        const Blocks& to = blocks[at[0]];
+        const Blocks& to = running.pass.blocks[at[0]];
         double* const place = to.at + offset_at(at + 1);
         const Code* const from = at + 3;
         at = from + (start ? 8 : 0);
         Vector8Block eight;
-        sum_rows<start>(from, at, terms, w, eight);
+        sum_rows<start>(from, at, terms, running.pass.workspace, eight);
         at += 2 * terms;
-        write_block(eight, place, to.stride, filled);
+        write_block(eight, place, to.stride, running.pass.filled);
     }
     return at;
 }
 
-}  // namespace
-
-void MicroProgram::run(const double* const* sources, double* const* targets, const double* scalars,
-                       std::ptrdiff_t first, double* w, const Blocks* blocks, int filled) const {
-    for (const auto& [slot, value] : constants_) store8(w + slot, broadcast8(value));
-    if (wide_.empty())
-        run(narrow_.data(), narrow_.data() + narrow_.size(), sources, targets, scalars, first, w,
-            blocks, filled);
-    else
-        run(wide_.data(), wide_.data() + wide_.size(), sources, targets, scalars, first, w, blocks,
-            filled);
+template <int groups, class Code>
+const Code* blocks(const Code* at, std::uint32_t length, std::uint32_t, const Running& running) {
+    for (std::uint32_t i = 0; i < length; ++i, at += 11)
+        for (int group = 0; group < groups; ++group) {
+            const double* const slots = running.slots(static_cast<std::size_t>(group));
+            Vector8Block eight;
+            for (int j = 0; j < 8; ++j) eight.rows[j] = load_wide(slots + at[3 + j]);
+            const Blocks& to = running.pass.blocks[at[0]];
+            double* const place = to.at + static_cast<std::size_t>(lane_count * group) * to.stride;
+            write_block(eight, place + offset_at(at + 1), to.stride,
+                        std::min(lane_count, running.pass.filled - lane_count * group));
+        }
+    return at;
 }
 
+// Calls f(slots, first column, instruction) for every instruction of a run and every group.
+template <int groups, int size, class Code, class F>
+SKYKNOT_INLINE const Code* each(const Code* at, std::uint32_t length, const Running& running, F f) {
+    for (std::uint32_t i = 0; i < length; ++i, at += size)
+        for (std::size_t group = 0; group < groups; ++group)
+            f(running.slots(group), running.first(group), at);
+    return at;
+}
+
+template <int groups, class Code>
+const Code* loads(const Code* at, std::uint32_t length, std::uint32_t, const Running& running) {
+    const auto load = [&](double* slots, std::ptrdiff_t first, const Code* code) SKYKNOT_LAMBDA {
+        const Four four = four_at(code);
+        store8(slots + four.first, load8(running.pass.sources[four.second] + four.offset() + first));
+    };
+    return each<groups, 4>(at, length, running, load);
+}
+
+template <int groups, class Code>
+const Code* loads_further(const Code* at, std::uint32_t length, std::uint32_t, const Running& running) {
+    const auto load = [&](double* slots, std::ptrdiff_t first, const Code* code) SKYKNOT_LAMBDA {
+        const Four four = four_at(code);
+        const double* const from = running.pass.sources[four.second] + four.offset() + first;
+        store_wide(slots + four.first, load_next(from, code[4]));
+    };
+    return each<groups, 5>(at, length, running, load);
+}
+
+template <int groups, class Code>
+const Code* scalars(const Code* at, std::uint32_t length, std::uint32_t, const Running& running) {
+    const auto load = [&](double* slots, std::ptrdiff_t, const Code* code) SKYKNOT_LAMBDA {
+        store8(slots + code[0], broadcast8(running.pass.scalars[code[1]]));
+    };
+    return each<groups, 2>(at, length, running, load);
+}
+
+template <int groups, class Code>
+const Code* inversions(const Code* at, std::uint32_t length, std::uint32_t, const Running& running) {
+    const auto invert = [](double* slots, std::ptrdiff_t, const Code* code) SKYKNOT_LAMBDA {
+        store8(slots + code[0], 1.0 / load8(slots + code[1]));
+    };
+    return each<groups, 2>(at, length, running, invert);
+}
+
+template <int groups, class Code>
+const Code* stores(const Code* at, std::uint32_t length, std::uint32_t, const Running& running) {
+    const auto store = [&](double* slots, std::ptrdiff_t first, const Code* code) SKYKNOT_LAMBDA {
+        const Four four = four_at(code);
+        store8(running.pass.targets[four.second] + four.offset() + first, load8(slots + four.first));
+    };
+    return each<groups, 4>(at, length, running, store);
+}
+
+// What runs of one shape do: they take the code behind the run's head and return where it ends.
 template <class Code>
-void MicroProgram::run(const Code* at, const Code* end, const double* const* sources,
-                       double* const* targets, const double* scalars, std::ptrdiff_t first,
-                       double* w, const Blocks* blocks, int filled) const {
-    const double* const stored = stored_source_ == none ? nullptr : sources[stored_source_] + first;
-    while (at != end) {
-        const std::uint32_t head = at[0], length = at[1], terms = head >> 4;
-        at += 2;
-        switch (static_cast<Builder::Kind>(head & 15u)) {
-            case Builder::load:
-                for (std::uint32_t i = 0; i < length; ++i, at += 4) {
-                    const Four code = four_at(at);
-                    store8(w + code.first, load8(sources[code.second] + code.offset() + first));
-                }
-                break;
-            case Builder::load_further:
-                for (std::uint32_t i = 0; i < length; ++i, at += 5) {
-                    const Four code = four_at(at);
-                    const double* const from = sources[code.second] + code.offset() + first;
-                    store_wide(w + code.first, load_next(from, at[4]));
-                }
-                break;
-            case Builder::scalar_load:
-                for (std::uint32_t i = 0; i < length; ++i, at += 2)
-                    store8(w + at[0], broadcast8(scalars[at[1]]));
-                break;
-            case Builder::dot_add: at = run_dots<false>(at, length, w, w, terms); break;
-            case Builder::dot_subtract: at = run_dots<true>(at, length, w, w, terms); break;
-            case Builder::stored_add: at = run_dots<false>(at, length, stored, w, terms); break;
-            case Builder::stored_subtract: at = run_dots<true>(at, length, stored, w, terms); break;
-            case Builder::invert:
-                for (std::uint32_t i = 0; i < length; ++i, at += 2)
-                    store8(w + at[0], 1.0 / load8(w + at[1]));
-                break;
-            case Builder::store:
-                for (std::uint32_t i = 0; i < length; ++i, at += 4) {
-                    const Four code = four_at(at);
-                    store8(targets[code.second] + code.offset() + first, load8(w + code.first));
-                }
-                break;
-            case Builder::block_store:
-                for (std::uint32_t i = 0; i < length; ++i, at += 11) {
-                    Vector8Block eight;
-                    for (int j = 0; j < 8; ++j) eight.rows[j] = load_wide(w + at[3 + j]);
-                    const Blocks& to = blocks[at[0]];
-                    write_block(eight, to.at + offset_at(at + 1), to.stride, filled);
-                }
-                break;
-            case Builder::panel_store:
-                at = panels<false>(at, length, terms, w, blocks, filled);
-                break;
-            case Builder::panel_start_store:
-                at = panels<true>(at, length, terms, w, blocks, filled);
-        }
+using Handler = const Code* (*)(const Code* at, std::uint32_t length, std::uint32_t terms,
+                                const Running& running);
+
+template <bool subtract, bool stored, int groups, class Code, std::size_t... i>
+constexpr std::array<Handler<Code>, sizeof...(i)> dots_of_sizes(std::index_sequence<i...>) {
+    return {&dots<subtract, stored, sizes[i], groups, Code>...};
+}
+
+// One jump a run: dots of every kind and size first, then the other kinds in their order.
+template <int groups, class Code>
+constexpr auto handlers_of() {
+    constexpr std::make_index_sequence<sizes.size()> all;
+    const std::array dots = {dots_of_sizes<false, false, groups, Code>(all),
+                             dots_of_sizes<true, false, groups, Code>(all),
+                             dots_of_sizes<false, true, groups, Code>(all),
+                             dots_of_sizes<true, true, groups, Code>(all)};
+    const std::array<Handler<Code>, 8> others = {
+        &loads<groups, Code>,      &loads_further<groups, Code>, &scalars<groups, Code>,
+        &inversions<groups, Code>, &stores<groups, Code>,        &blocks<groups, Code>,
+        &panels<false, Code>,      &panels<true, Code>};
+    std::array<Handler<Code>, dots.size() * sizes.size() + others.size()> table{};
+    std::size_t next = 0;
+    for (const auto& kind : dots)
+        for (const Handler<Code> handler : kind) table[next++] = handler;
+    for (const Handler<Code> handler : others) table[next++] = handler;
+    return table;
+}
+
+constexpr std::uint32_t operation_bits = 6;
+
+template <int groups, class Code>
+void run_code(const std::vector<Code>& code, const Running& running) {
+    static constexpr auto handlers = handlers_of<groups, Code>();
+    static_assert(handlers.size() <= 1u << operation_bits);
+    const Code* at = code.data();
+    while (at != code.data() + code.size()) {
+        const std::uint32_t head = at[0];
+        at = handlers[head & ((1u << operation_bits) - 1)](at + 2, at[1], head >> operation_bits, running);
     }
+}
+
+}  // namespace
+
+void MicroProgram::run(const Pass& pass) const {
+    const std::size_t stride = lane_count * slots_;
+    const bool pair = pass.filled > lane_count;
+    for (const auto& [slot, value] : constants_)
+        for (std::size_t group = 0; group <= (pair ? 1 : 0); ++group)
+            store8(pass.workspace + group * stride + slot, broadcast8(value));
+    const double* const stored =
+        stored_source_ == none ? nullptr : pass.sources[stored_source_] + pass.first;
+    const Running running{pass, stride, stored};
+    const auto choose = [&](const auto& code) {
+        if (pair) run_code<2>(code, running);
+        else run_code<1>(code, running);
+    };
+    if (wide_.empty()) choose(narrow_);
+    else choose(wide_);
 }
 
 Value Builder::record(Step step) {
@@ -347,11 +414,14 @@ void Builder::visit_operands(const Step& step, Visit visit) const {
     }
 }
 
+// Operation and number of terms, as a run's head tells them.
 std::uint32_t Builder::shape(const Step& step) {
-    const bool dot = step.kind >= dot_add && step.kind <= stored_subtract;
-    const std::uint32_t terms =
-        dot ? filled_up(step.terms.size()) : static_cast<std::uint32_t>(step.terms.size());
-    return static_cast<std::uint32_t>(step.kind) | terms << 4;
+    constexpr std::uint32_t size_count = sizes.size(), dot_kinds = stored_subtract + 1;
+    const std::size_t terms = step.terms.size();
+    if (step.kind < dot_kinds)
+        return (step.kind * size_count + size_of(terms)) | filled_up(terms) << operation_bits;
+    return (dot_kinds * size_count + step.kind - dot_kinds) |
+           static_cast<std::uint32_t>(terms) << operation_bits;
 }
 
 // Dots whose every term has a factor in the stored block take it from there.
@@ -508,7 +578,7 @@ void Builder::write_code(const Step& step, SlotOf of, std::vector<std::uint32_t>
     }
     for (const auto& [a, b] : step.terms)
         code.insert(code.end(), {step.is_stored() ? static_cast<std::uint32_t>(a) : of(a), of(b)});
-    for (std::size_t terms = step.terms.size(); terms < shape(step) >> 4; ++terms)
+    for (std::size_t terms = step.terms.size(); terms < shape(step) >> operation_bits; ++terms)
         code.insert(code.end(), {0, 0});
 }
 

@@ -39,25 +39,34 @@ struct Blocks {
     std::size_t stride;  // from one segment's block to the next, in doubles
 };
 
+// One run of a program.
+struct Pass {
+    // Row buffers; an instruction adds its own row offset and `first`.
+    const double* const* sources;
+    double* const* targets = nullptr;
+    const double* scalars = nullptr;  // broadcast
+    std::ptrdiff_t first = 0;
+    // Rows of eight, then placed values, stand at its front; it must be zero before the first run and
+    // serve no other program.
+    double* workspace;
+    const Blocks* blocks = nullptr;
+    // How many segments there are from `first`: beyond them, no block is written. With more than
+    // eight, sixteen run side by side, which hides how long a sum waits for another; the workspace
+    // is two then, the second stored block stands `stored_stride` doubles behind the first, and the
+    // program may read no rows that stand eight columns after eight, nor write panels.
+    int filled = lane_count;
+    std::size_t stored_stride = 0;
+};
+
 class MicroProgram {
 public:
-    // Runs the instructions for segments first … first + 7. `sources[i]` and `targets[i]` are row
-    // buffers; an instruction adds its own row offset and `first`. `scalars` are broadcast. Rows of
-    // eight, then placed values, stand at the front of the workspace, which must be zero before the
-    // first run and serve no other program. Of `blocks`, the first `filled` are written.
-    void run(const double* const* sources, double* const* targets, const double* scalars,
-             std::ptrdiff_t first, double* workspace, const Blocks* blocks = nullptr,
-             int filled = 0) const;
+    void run(const Pass& pass) const;
 
     std::size_t slots() const { return slots_; }
     std::size_t multiplications() const { return multiplications_; }
 
 private:
     friend class Builder;
-    template <class Code>
-    void run(const Code* at, const Code* end, const double* const* sources, double* const* targets,
-             const double* scalars, std::ptrdiff_t first, double* workspace, const Blocks* blocks,
-             int filled) const;
     // Half the bytes where sixteen bits are enough: the code streams past the first-level cache.
     std::vector<std::uint16_t> narrow_;
     std::vector<std::uint32_t> wide_;
@@ -114,13 +123,13 @@ public:
     MicroProgram finish();
 
     enum Kind : std::uint32_t {
-        load,
-        load_further,
-        scalar_load,
         dot_add,
         dot_subtract,
         stored_add,
         stored_subtract,
+        load,
+        load_further,
+        scalar_load,
         invert,
         store,
         block_store,

@@ -49,7 +49,7 @@ std::pair<nb::ndarray<nb::numpy, double>, std::size_t> solve_lanes(const Matrice
     const nb::capsule owner(memory, [](void* p) noexcept { delete[] static_cast<double*>(p); });
     const double* const sources[] = {M.data(), right.data()};
     double* const targets[] = {memory};
-    program.run(sources, targets, nullptr, 0, workspace.get());
+    program.run({.sources = sources, .targets = targets, .workspace = workspace.get()});
     return {nb::ndarray<nb::numpy, double>(memory, {n, lane_count}, owner),
             program.multiplications()};
 }

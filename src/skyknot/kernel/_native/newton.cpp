@@ -59,8 +59,8 @@ Newton::Newton(Points& points, const Tape& terminal, bool elastic)
       factor_sources_(source::first_class + 2 * at(S_.classes())),
       terminal_workspace_(make_workspace(terminal.workspace_size(8))),
       factor_workspace_(make_workspace(lane_count * elimination_.factor.slots())),
-      reduce_workspace_(make_workspace(lane_count * elimination_.reduce.slots())),
-      expand_workspace_(make_workspace(lane_count * elimination_.expand.slots())),
+      reduce_workspace_(make_workspace(2 * lane_count * elimination_.reduce.slots())),
+      expand_workspace_(make_workspace(2 * lane_count * elimination_.expand.slots())),
       terminal_hessian_(at((S_.nx + S_.nq) * (S_.nx + S_.nq))) {
     for (int i = 0; i < S_.nq; ++i) border_.push_back(riccati_.right_side());
     for (int c = 0; c < S_.classes(); ++c) {
@@ -96,16 +96,23 @@ void Newton::right_side(const RowBuffer& g, const RowBuffer& d, Riccati::RightSi
     sources[source::gradient] = g.origin();
     sources[source::defect] = d.origin();
     const double scalars[] = {regularisation, elastic_weight};
-    for (int first = 0; first < S_.N; first += lane_count) {
+    const std::size_t second = lane_count * (elimination_.reduce.slots() - 1);
+    for (int first = 0; first < S_.N; first += 2 * lane_count) {
         sources[source::segment] = segment_block(first);
         double* const w = reduce_workspace_.get();
-        const int filled = std::min(lane_count, S_.N - first);
+        const int filled = std::min(2 * lane_count, S_.N - first);
         const Blocks blocks[] = {
             {right.stages.get() + at(first) * layout.vector_size(), layout.vector_size()}};
-        elimination_.reduce.run(sources, nullptr, scalars, first, w, blocks, filled);
+        elimination_.reduce.run({.sources = sources,
+                                 .scalars = scalars,
+                                 .first = first,
+                                 .workspace = w,
+                                 .blocks = blocks,
+                                 .filled = filled,
+                                 .stored_stride = lane_count * elimination_.segment_rows});
         for (std::size_t i = 0; i < elimination_.global_places.size(); ++i)
             for (int lane = 0; lane < filled; ++lane)
-                g_q[i] += w[elimination_.global_places[i] + at(lane)];
+                g_q[i] += w[elimination_.global_places[i] + at(lane) + (lane < lane_count ? 0 : second)];
     }
     double* last = right.terminal.get();
     for (int i = 0; i < S_.nx; ++i) last[i] = g.row(S_.state_row(0, i))[S_.N];
@@ -175,10 +182,16 @@ void Newton::structured_solve(const RowBuffer& g, const double* g_q, const RowBu
     scalars[scalar::regularisation] = regularisation;
     scalars[scalar::elastic_weight] = elastic_weight;
     std::copy_n(step_q, at(nq), scalars.begin() + scalar::first_global);
-    for (int first = 0; first < S_.N; first += lane_count) {
+    for (int first = 0; first < S_.N; first += 2 * lane_count) {
         sources[source::segment] = segment_block(first);
         double* const targets[] = {nullptr, step.origin(), lambda.origin()};
-        elimination_.expand.run(sources, targets, scalars.data(), first, expand_workspace_.get());
+        elimination_.expand.run({.sources = sources,
+                                 .targets = targets,
+                                 .scalars = scalars.data(),
+                                 .first = first,
+                                 .workspace = expand_workspace_.get(),
+                                 .filled = std::min(2 * lane_count, S_.N - first),
+                                 .stored_stride = lane_count * elimination_.segment_rows});
     }
     clear_padding(lambda);
     for (int row = S_.nx; row < S_.interior(); ++row)

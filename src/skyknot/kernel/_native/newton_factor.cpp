@@ -63,8 +63,13 @@ bool Newton::factor_blocks(std::vector<const double*>& sources) {
         const int filled = std::min(lane_count, S_.N - first);
         const Blocks blocks[] = {{riccati_.stage(first), layout.size()},
                                  {riccati_.hessian(first), layout.hessian_size()}};
-        elimination_.factor.run(sources.data(), targets, scalars, first, factor_workspace_.get(),
-                                blocks, filled);
+        elimination_.factor.run({.sources = sources.data(),
+                                 .targets = targets,
+                                 .scalars = scalars,
+                                 .first = first,
+                                 .workspace = factor_workspace_.get(),
+                                 .blocks = blocks,
+                                 .filled = filled});
         for (int k = first + filled - 1; k >= first; --k)
             if (!riccati_.factor_stage(k)) {
                 riccati_.failed_stage = k;

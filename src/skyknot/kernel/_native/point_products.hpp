@@ -29,7 +29,7 @@ public:
     double* weight() { return workspace_.get() + weight_; }
     // `class_rows`: of the eight points.
     void run(const double* class_rows) {
-        program_.run(&class_rows, nullptr, nullptr, 0, workspace_.get());
+        program_.run({.sources = &class_rows, .workspace = workspace_.get()});
     }
     // Row i of the results; zeros where there is structurally nothing.
     const double* out(int i) const { return result(out_, i); }
