@@ -178,6 +178,17 @@ const Code* loads(const Code* at, std::uint32_t length, std::uint32_t, const Run
 }
 
 template <int groups, class Code>
+const Code* loads_stored(const Code* at, std::uint32_t length, std::uint32_t, const Running& running) {
+    for (std::uint32_t i = 0; i < length; ++i, at += 4)
+        for (std::size_t group = 0; group < groups; ++group) {
+            const Four four = four_at(at);
+            const double* const block = running.stored + group * running.pass.stored_stride;
+            store8(running.slots(group) + four.first, load8(block + four.offset()));
+        }
+    return at;
+}
+
+template <int groups, class Code>
 const Code* loads_further(const Code* at, std::uint32_t length, std::uint32_t, const Running& running) {
     const auto load = [&](double* slots, std::ptrdiff_t first, const Code* code) SKYKNOT_LAMBDA {
         const Four four = four_at(code);
@@ -230,10 +241,10 @@ constexpr auto handlers_of() {
                              dots_of_sizes<true, false, groups, Code>(all),
                              dots_of_sizes<false, true, groups, Code>(all),
                              dots_of_sizes<true, true, groups, Code>(all)};
-    const std::array<Handler<Code>, 8> others = {
-        &loads<groups, Code>,      &loads_further<groups, Code>, &scalars<groups, Code>,
-        &inversions<groups, Code>, &stores<groups, Code>,        &blocks<groups, Code>,
-        &panels<false, Code>,      &panels<true, Code>};
+    const std::array<Handler<Code>, 9> others = {
+        &loads<groups, Code>,   &loads_stored<groups, Code>, &loads_further<groups, Code>,
+        &scalars<groups, Code>, &inversions<groups, Code>,   &stores<groups, Code>,
+        &blocks<groups, Code>,  &panels<false, Code>,        &panels<true, Code>};
     std::array<Handler<Code>, dots.size() * sizes.size() + others.size()> table{};
     std::size_t next = 0;
     for (const auto& kind : dots)
@@ -291,23 +302,22 @@ Value Builder::constant(double value) {
 }
 
 Value Builder::input(std::uint32_t source, std::size_t row, std::ptrdiff_t shift) {
-    return read(source, static_cast<std::uint32_t>(static_cast<std::ptrdiff_t>(row * stride_) + shift));
+    const auto offset = static_cast<std::ptrdiff_t>(row * stride_) + shift;
+    return read(load, source, static_cast<std::uint32_t>(offset));
 }
 
 Value Builder::block_input(std::uint32_t source, std::size_t row, std::size_t rows, bool next) {
-    return read(source, static_cast<std::uint32_t>(row * lane_count),
-                next ? static_cast<std::uint32_t>(rows * lane_count) : 0);
+    return read(next ? load_further : load, source, static_cast<std::uint32_t>(row * lane_count),
+                static_cast<std::uint32_t>(rows * lane_count));
 }
 
-Value Builder::read(std::uint32_t source, std::uint32_t offset, std::uint32_t further) {
+Value Builder::read(Kind kind, std::uint32_t source, std::uint32_t offset, std::uint32_t further) {
     const std::uint64_t key = (std::uint64_t{source} << 32) | offset;
-    auto& known = further > 0 ? inputs_further_ : inputs_;
-    if (const auto found = known.find(key); found != known.end()) return {found->second};
-    Step step{further > 0 ? load_further : load, 0, -1, source, offset, {}};
+    const auto [found, fresh] = inputs_.emplace(std::pair{kind, key}, values_);
+    if (!fresh) return {found->second};
+    Step step{kind, 0, -1, source, offset, {}};
     step.further = further;
-    const Value value = record(std::move(step));
-    known.emplace(key, value.id);
-    return value;
+    return record(std::move(step));
 }
 
 Value Builder::reserve() {
@@ -316,13 +326,7 @@ Value Builder::reserve() {
     return value;
 }
 
-Value Builder::scalar(std::uint32_t index) {
-    const std::uint64_t key = (std::uint64_t{UINT32_MAX} << 32) | index;
-    if (const auto found = inputs_.find(key); found != inputs_.end()) return {found->second};
-    const Value value = record({scalar_load, 0, -1, index, 0, {}});
-    inputs_.emplace(key, value.id);
-    return value;
-}
+Value Builder::scalar(std::uint32_t index) { return read(scalar_load, index, 0); }
 
 Value Builder::dot(const std::vector<Term>& terms, Value start, bool subtract) {
     Step step{subtract ? dot_subtract : dot_add, 0, start.id, 0, 0, {}};
@@ -429,7 +433,7 @@ void Builder::read_stored_in_place() {
     if (stored_source_ == none) return;
     std::vector<std::ptrdiff_t> offset(static_cast<std::size_t>(values_), -1);
     for (const Step& step : steps_)
-        if (step.kind == load && step.buffer == stored_source_)
+        if (step.kind == load_stored)
             offset[static_cast<std::size_t>(step.result)] = step.offset;
     if (one_ >= 0) offset[static_cast<std::size_t>(one_)] = 0;
     const auto of = [&](std::int32_t id) { return offset[static_cast<std::size_t>(id)]; };
@@ -571,7 +575,8 @@ void Builder::write_code(const Step& step, SlotOf of, std::vector<std::uint32_t>
     code.push_back(of(step.kind == store ? step.start : step.result));
     switch (step.kind) {
         case store:
-        case load: to_place(); break;
+        case load:
+        case load_stored: to_place(); break;
         case load_further: to_place(), code.push_back(step.further); break;
         case scalar_load: code.push_back(step.buffer); break;
         default: code.push_back(of(step.start));

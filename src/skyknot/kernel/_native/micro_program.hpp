@@ -88,7 +88,7 @@ public:
     // the block must be ones.
     Value stored(std::uint32_t source, std::size_t row) {
         stored_source_ = source;
-        return read(source, static_cast<std::uint32_t>(row * lane_count));
+        return read(load_stored, source, static_cast<std::uint32_t>(row * lane_count));
     }
     // Row `row` of a source whose rows, `rows` of them, stand eight columns after eight; its pointer
     // is to the block of column `first`, less `first`. `next`: one column further.
@@ -128,6 +128,7 @@ public:
         stored_add,
         stored_subtract,
         load,
+        load_stored,
         load_further,
         scalar_load,
         invert,
@@ -155,7 +156,7 @@ private:
     };
     Value record(Step step);
     void write(Step step);
-    Value read(std::uint32_t source, std::uint32_t offset, std::uint32_t further = 0);
+    Value read(Kind kind, std::uint32_t source, std::uint32_t offset, std::uint32_t further = 0);
     template <class Visit>
     void visit_operands(const Step& step, Visit visit) const;
     static std::uint32_t shape(const Step& step);
@@ -169,7 +170,7 @@ private:
     std::int32_t values_ = 0, one_ = -2;
     std::vector<Step> steps_;
     std::vector<std::pair<std::int32_t, double>> constants_;
-    std::unordered_map<std::uint64_t, std::int32_t> inputs_, inputs_further_;
+    std::map<std::pair<Kind, std::uint64_t>, std::int32_t> inputs_;
     std::map<std::vector<std::int32_t>, std::int32_t> dots_;  // said once, computed once
     std::vector<Eight> rows8_;
     std::vector<std::uint32_t> rows8_places_;
