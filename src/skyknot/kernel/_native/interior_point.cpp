@@ -18,6 +18,7 @@ constexpr double delta_first = 1e-2, delta_smallest = 1e-20, delta_largest = 1e2
 // A regularisation above this was needed so clearly that the next try starts from a third of it.
 constexpr double delta_persistent = 0.1;
 constexpr double equality_weight = 1e10;
+constexpr double short_step = 3e-3;  // relative; gains change about as much
 
 }  // namespace
 
@@ -57,6 +58,7 @@ Outcome InteriorPoint::solve(const Settings& settings,
     max_seconds_ = settings.max_seconds;
     refinements_ = settings.refinements;
     const double floor = settings.tolerance * std::min(1.0, objective_scale) / (kappa_epsilon + 1);
+    ended_by_short_step_ = false;
     if (!initialise(settings)) return Outcome::evaluation;
     for (iterations = 0;; ++iterations) {
         // ---- where we stand -------------------------------------------------------------
@@ -74,6 +76,7 @@ Outcome InteriorPoint::solve(const Settings& settings,
         // ---- barrier --------------------------------------------------------------------
         while (update_barrier(e, floor)) {}
         // ---- direction ------------------------------------------------------------------
+        ended_by_short_step_ = false;
         if (!factor()) {
             const Restored restored = restore(settings.tolerance);
             if (restored == Restored::infeasible) return Outcome::infeasible;
@@ -92,6 +95,7 @@ Outcome InteriorPoint::solve(const Settings& settings,
         }
         // ---- move -----------------------------------------------------------------------
         take_trial();
+        ended_by_short_step_ = newton.regularisation == 0.0 && relative_step() < short_step;
     }
 }
 

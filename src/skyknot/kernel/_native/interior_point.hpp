@@ -77,8 +77,9 @@ public:
 
     // `watch` sees every iteration and stops the solve by returning true.
     Outcome solve(const Settings& settings, const std::function<bool(const Record&)>& watch);
-    // Factors at the point where `solve` ended, for the gains there.
-    bool factor_here() { return factor(); }
+    // Makes sure of a factorisation for the gains at the point where `solve` ended: the last one where
+    // it is that of a step so short that the gains do not change, else a new one.
+    bool factor_here() { return ended_by_short_step_ || factor(); }
 
     std::vector<Record> history;
     double barrier = 0.0;
@@ -158,7 +159,7 @@ private:
     double theta_start_ = 0.0, last_regularisation_ = 0.0, alpha_ = 0.0, alpha_dual_ = 0.0;
     double started_ = 0.0, max_seconds_ = 0.0;
     int refinements_ = 3, tiny_steps_ = 0;
-    bool augment_ = false;
+    bool augment_ = false, ended_by_short_step_ = false;
     std::unique_ptr<Newton> elastic_;
 };
 
