@@ -108,16 +108,21 @@ Outcome InteriorPoint::give_up(const Errors& e, double tolerance, Outcome otherw
 
 void InteriorPoint::prepare_boxes() {
     bounded_.clear();
+    row_bounded_.assign(at(S_.v_rows()), 0);
+    has_rows_ = false;
+    for (const GroupState& group : groups) has_rows_ = has_rows_ || group.value.rows() > 0;
     const auto any_finite = [](const double* l, const double* u, int count) {
         for (int k = 0; k < count; ++k)
             if (std::isfinite(l[k]) || std::isfinite(u[k])) return true;
         return false;
     };
     for (int r = 0; r < S_.v_rows(); ++r)
-        if (any_finite(lower.row(r), upper.row(r), S_.count(r)))
+        if (any_finite(lower.row(r), upper.row(r), S_.count(r))) {
+            row_bounded_[at(r)] = 1;
             bounded_.push_back({{z.row(r), direction_.v.row(r), lower.row(r), upper.row(r),
                                  zl.row(r), zu.row(r), dzl_.row(r), dzu_.row(r), S_.count(r)},
                                 trial_z_.row(r), newton.weight_v.row(r), right_.row(r)});
+        }
     for (std::size_t i = 0; i < q.size(); ++i)
         bounded_.push_back({{&q[i], &direction_.q[i], &q_lower[i], &q_upper[i], &q_zl[i], &q_zu[i],
                              &dq_zl_[i], &dq_zu_[i], 1},
@@ -276,9 +281,11 @@ InteriorPoint::Errors InteriorPoint::errors() const {
     for (int r = 0; r < S_.v_rows(); ++r) {
         const int from = r < S_.nx && newton.fixed_first(r) ? 1 : 0, count = S_.count(r) - from;
         const double *g = lagrangian_.row(r) + from, *u = zu.row(r) + from, *l = zl.row(r) + from;
-        const double most = largest(count, 0.0, [=](auto read) SKYKNOT_LAMBDA {
-            return absolute(read(g) + read(u) - read(l));
-        });
+        const double most = row_bounded_[at(r)]
+                                ? largest(count, 0.0, [=](auto read) SKYKNOT_LAMBDA {
+                                      return absolute(read(g) + read(u) - read(l));
+                                  })
+                                : largest_absolute(g, count);
         unreal += total(count, [=](auto read) SKYKNOT_LAMBDA { return 0.0 * read(g); });
         e.dual = std::max(e.dual, most / scale.row(r)[0]);
     }
@@ -346,9 +353,9 @@ bool InteriorPoint::factor() {
     return false;
 }
 
-// Right-hand side of the Newton system from `used_defect_` and `used_rows_` (g − s).
+// Right-hand side of the Newton system from the defects and `used_rows_` (g − s).
 void InteriorPoint::assemble(double mu) {
-    used_defect_.copy(defect_);
+    defect_in_use_ = &defect_;
     for (std::size_t g = 0; g < groups.size(); ++g)
         for (int i = 0; i < groups[g].value.rows(); ++i)
             for (int k = 0; k < groups[g].count; ++k)
@@ -365,9 +372,9 @@ void InteriorPoint::assemble(double mu) {
 
 // Solves for the step with the residuals in use; fills slack, multiplier and bound steps.
 void InteriorPoint::solve_step() {
-    RowBuffer& gradient = cost_step_;
-    gradient.copy(right_);
+    const RowBuffer* gradient = &right_;
     q_step_right_ = q_right_;
+    if (has_rows_) cost_step_.copy(right_), gradient = &cost_step_;
     for (std::size_t g = 0; g < groups.size(); ++g) {
         GroupState& group = groups[g];
         Group& rows = newton.groups[g];
@@ -378,10 +385,10 @@ void InteriorPoint::solve_step() {
                 rows.residual.row(i)[k] = group.equality.row(i)[k] * r;
             }
         if (g + 1 < groups.size())
-            points.add_path_adjoint(static_cast<int>(g), group.t, gradient, q_step_right_.data());
+            points.add_path_adjoint(static_cast<int>(g), group.t, cost_step_, q_step_right_.data());
     }
-    points.add_rates_transposed(groups.back().t, gradient, q_step_right_.data());
-    newton.solve(gradient, q_step_right_.data(), used_defect_, direction_, refinements_);
+    points.add_rates_transposed(groups.back().t, cost_step_, q_step_right_.data());
+    newton.solve(*gradient, q_step_right_.data(), *defect_in_use_, direction_, refinements_);
     for (std::size_t g = 0; g < groups.size(); ++g) {
         GroupState& group = groups[g];
         const Group& rows = newton.groups[g];

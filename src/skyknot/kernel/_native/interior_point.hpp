@@ -153,6 +153,9 @@ private:
     std::vector<double> dq_zl_, dq_zu_, q_cost_, q_lagrangian_, q_right_, q_step_right_, trial_q_, entry_q_;
     std::vector<RowBuffer> used_rows_, entry_slack_;
     std::vector<const RowBuffer*> y_;
+    const RowBuffer* defect_in_use_ = nullptr;  // of the step: the defects, or corrected ones
+    std::vector<char> row_bounded_;             // rows of unknowns that have a bound
+    bool has_rows_ = false;                     // path or rate rows
     Filter filter_;
     Merit now_{}, trial_merit_{};
     double objective_ = 0.0, trial_objective_ = 0.0;

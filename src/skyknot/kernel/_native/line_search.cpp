@@ -122,6 +122,8 @@ bool InteriorPoint::line_search(double tau) {
 bool InteriorPoint::second_order_correction(double tau, double descent) {
     const double alpha_first = alpha_, dual_first = alpha_dual_;
     double theta_before = now_.theta;
+    used_defect_.copy(defect_);
+    defect_in_use_ = &used_defect_;
     for (int attempt = 0; attempt < corrections; ++attempt) {
         for (int i = 0; i < used_defect_.rows(); ++i)
             for (int k = 0; k < S_.N; ++k)

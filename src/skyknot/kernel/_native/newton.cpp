@@ -255,41 +255,55 @@ double Newton::residual(const RowBuffer& r, const double* r_q, const RowBuffer& 
     return most;
 }
 
+// Equality rows as weighted rows of this pass: into gradient_ and residual_q_.
+void Newton::add_equalities() {
+    for (int c = 0; c <= S_.classes(); ++c) {
+        const Group& group = groups[at(c)];
+        for (int i = 0; i < group.weight.rows(); ++i)
+            for (int k = 0; k <= S_.N; ++k)
+                t_[at(c)].row(i)[k] =
+                    group.equality.row(i)[k] * (group.residual.row(i)[k] + group.linear.row(i)[k]);
+        if (c < S_.classes()) points_.add_path_adjoint(c, t_[at(c)], gradient_, residual_q_.data());
+    }
+    points_.add_rates_transposed(t_.back(), gradient_, residual_q_.data());
+}
+
+// Multipliers of equality rows from this pass's step: of the sum, rounding times the weight would
+// remain.
+void Newton::move_equalities(Direction& out) {
+    apply_rows(step_, step_q_.data());
+    for (int c = 0; c <= S_.classes(); ++c) {
+        const Group& group = groups[at(c)];
+        for (int i = 0; i < group.weight.rows(); ++i)
+            for (int k = 0; k <= S_.N; ++k)
+                out.equality[at(c)].row(i)[k] +=
+                    t_[at(c)].row(i)[k] + group.equality.row(i)[k] * group.linear.row(i)[k];
+    }
+}
+
 double Newton::solve(const RowBuffer& r, const double* r_q, const RowBuffer& d, Direction& out,
                      int refinements) {
-    std::fill(out.q.begin(), out.q.end(), 0.0);
     std::fill(out.pins.begin(), out.pins.end(), 0.0);
     for (RowBuffer& rows : out.equality) rows.clear();
     for (Group& group : groups) group.linear.clear();
-    gradient_.copy(r), defect_.copy(d);
-    std::copy_n(r_q, at(S_.nq), residual_q_.begin());
     const double scale = std::max(largest_defect(d, S_), largest_gradient(r, S_));
     double left = 0.0, before = INFINITY;
     for (int pass = 0;; ++pass) {
-        // equalities and pins as weighted rows of this pass
-        for (int c = 0; c <= S_.classes(); ++c) {
-            Group& group = groups[at(c)];
-            for (int i = 0; i < group.weight.rows(); ++i)
-                for (int k = 0; k <= S_.N; ++k)
-                    t_[at(c)].row(i)[k] = group.equality.row(i)[k] *
-                                          (group.residual.row(i)[k] + group.linear.row(i)[k]);
-            if (c < S_.classes())
-                points_.add_path_adjoint(c, t_[at(c)], gradient_, residual_q_.data());
+        const RowBuffer *gradient = &gradient_, *defect = pass == 0 ? &d : &defect_;
+        if (pass == 0) {
+            if (weighted_) gradient_.copy(r);
+            else gradient = &r;
+            std::copy_n(r_q, at(S_.nq), residual_q_.begin());
         }
-        points_.add_rates_transposed(t_.back(), gradient_, residual_q_.data());
-        structured_solve(gradient_, residual_q_.data(), defect_, step_, step_q_.data(), lambda_);
-        if (pass == 0) out.v.copy(step_), out.lambda.copy(lambda_);
-        else out.v.add(step_), out.lambda.add(lambda_);
-        for (int i = 0; i < S_.nq; ++i) out.q[at(i)] += step_q_[at(i)];
-        // from this pass's step: of the sum, rounding times the weight would remain
-        apply_rows(step_, step_q_.data());
-        for (int c = 0; c <= S_.classes(); ++c) {
-            Group& group = groups[at(c)];
-            for (int i = 0; i < group.weight.rows(); ++i)
-                for (int k = 0; k <= S_.N; ++k)
-                    out.equality[at(c)].row(i)[k] +=
-                        t_[at(c)].row(i)[k] + group.equality.row(i)[k] * group.linear.row(i)[k];
+        if (weighted_) add_equalities();
+        structured_solve(*gradient, residual_q_.data(), *defect, step_, step_q_.data(), lambda_);
+        if (pass == 0) {
+            out.v.copy(step_), out.lambda.copy(lambda_), out.q = step_q_;
+        } else {
+            out.v.add(step_), out.lambda.add(lambda_);
+            for (int i = 0; i < S_.nq; ++i) out.q[at(i)] += step_q_[at(i)];
         }
+        if (weighted_ || elastic_) move_equalities(out);
         // put pins back within the pass, so that the next one sees what that leaves
         for (std::size_t p = 0; p < pins.size(); ++p) {
             out.pins[p] += pin_weight * step_.row(pins[p].row)[pins[p].k];

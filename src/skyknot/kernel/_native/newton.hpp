@@ -91,6 +91,8 @@ private:
     std::vector<double> node_control_rows(int k) const;
     void structured_solve(const RowBuffer& g, const double* g_q, const RowBuffer& d,
                           RowBuffer& step, double* step_q, RowBuffer& lambda);
+    void add_equalities();
+    void move_equalities(Direction& out);
     double residual(const RowBuffer& r, const double* r_q, const RowBuffer& d, Direction& at);
     void right_side(const RowBuffer& g, const RowBuffer& d, Riccati::RightSide& right,
                     double* g_q);
@@ -101,7 +103,7 @@ private:
     Points& points_;
     Structure S_;
     const Tape& terminal_;
-    bool elastic_;
+    bool elastic_, weighted_ = false;  // some path or rate row is an equality
     Elimination elimination_;
     Riccati riccati_;
     Riccati::RightSide main_;

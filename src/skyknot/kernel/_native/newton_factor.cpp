@@ -30,10 +30,13 @@ void Newton::evaluate_terminal(const RowBuffer& z, const double* q, double scale
 
 bool Newton::factor() {
     ++factorisations;
+    weighted_ = false;
     for (Group& group : groups)
         for (int r = 0; r < group.weight.rows(); ++r)
-            for (int k = 0; k <= S_.N; ++k)
+            for (int k = 0; k <= S_.N; ++k) {
                 group.total.row(r)[k] = group.weight.row(r)[k] + group.equality.row(r)[k];
+                weighted_ = weighted_ || group.equality.row(r)[k] > 0.0;
+            }
     if (S_.carry)
         for (int r = 0; r < groups.back().total.rows(); ++r) groups.back().total.row(r)[0] = 0.0;
     for (const Pin& pin : pins) weight_v.row(pin.row)[pin.k] += pin_weight;
