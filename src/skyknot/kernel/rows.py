@@ -244,10 +244,18 @@ class Rows:
         return z.clip(self.program.lower, self.program.upper)
 
     def multipliers(self, result: dict[str, Any]) -> Multipliers:
-        """Return the multipliers of a native result, unscaled."""
+        """Return the multipliers of a native result, unscaled.
+
+        Of bounds that fix unknowns, other than globals, they are those of the point where the
+        native solve last differentiated: its result, when it succeeded.
+        """
         program, sigma = self.program, self.objective_scale
         rows = result["lambda"].reshape(len(program.C), program.layout.nx, self.N)
-        bounds = (result["zu"] - result["zl"]) / (sigma * self.scale[:, None])
+        bounds = result["zu"] - result["zl"]
+        fixed = np.asarray(result["fixed"])
+        bounds[: len(self.S_x), 0] += fixed[: len(self.S_x)]
+        bounds[self.limits.pinned] += fixed[len(self.S_x) :]
+        bounds /= sigma * self.scale[:, None]
         q = np.asarray(result["q_zu"]) - np.asarray(result["q_zl"])
         path = np.zeros(program.path_lower.shape)
         for points, y in zip(self.classes, result["y"][:-1], strict=True):
@@ -291,7 +299,7 @@ class Rows:
             "zu": np.where(np.isfinite(limits.data["upper"]), np.maximum(bounds, least), 0.0),
             "q_zl": np.maximum(-q, least).tolist(),
             "q_zu": np.maximum(q, least).tolist(),
-            "pin_multipliers": bounds[tuple(limits.pins.T)].tolist(),
+            "pin_multipliers": bounds[limits.pinned].tolist(),
             "y": [
                 np.ascontiguousarray((m.path[points] * sigma * self.path_scale).T)
                 for points in self.classes
@@ -306,6 +314,7 @@ class _Limits:
     Attributes
     ----------
     pins : (n, 2) rows and columns of fixed unknowns but for those of the first state
+    pinned : the same as an index; fixed_globals : whether a global is fixed, too
     path : (P, ng) lower and upper path bounds as the barrier can meet them
     fixed_points : evaluated points whose state is fixed
     data : entries for the native solve
@@ -320,10 +329,12 @@ class _Limits:
         fixed_first = pinned[:nx, 0].astype(int).tolist()
         pinned[:nx, 0] = False
         self.pins = np.argwhere(pinned)
+        self.pinned = tuple(self.pins.T)
         fixed = (program.lower == program.upper)[program.incidence.point_states]
         self.fixed_points = np.flatnonzero(fixed.all(axis=1))
         self.path = _relaxed(program)
         q = program.incidence.globals
+        self.fixed_globals = bool((program.lower[q] == program.upper[q]).any())
         self.data: dict[str, Any] = {
             "lower": lower,
             "upper": upper,

@@ -130,7 +130,8 @@ class Prepared:
         status = _OUTCOMES[raw["outcome"]]
         z = self.rows.unknowns(raw)
         multipliers = self.rows.multipliers(raw)
-        complete_fixed(self.program, z, multipliers)
+        if not status.success or self.rows.limits.fixed_globals:
+            complete_fixed(self.program, z, multipliers)
         if not status.success and undefined_value(self.program, z):
             status = Status.EVALUATION_ERROR
         counts = ("factorisations", "solves", "value_runs", "full_runs", "restorations")

@@ -161,6 +161,7 @@ nb::dict result_of(InteriorPoint& solver, const Structure& S, Outcome outcome) {
     for (const GroupState& group : solver.groups) y.append(table(group.y, group.count));
     r["y"] = y;
     r["pin_multipliers"] = solver.pin_multipliers;
+    r["fixed"] = solver.fixed_multipliers();
     r["iterations"] = solver.iterations;
     r["restorations"] = solver.restorations;
     r["barrier"] = solver.barrier;
