@@ -60,7 +60,8 @@ def solve_many(
     guesses : M guesses: a Trajectory, a Solution (its multipliers are used too when the mesh is
         the same), or None for the guess ladder
     transcription, solver, tolerance : as for ``solve``
-    threads : how many instances are solved at a time; as many as there are processors by default
+    threads : how many instances are solved at a time, by the solver "interior-point"; as many as
+        there are processors by default. Other solvers take one after the other
 
     Returns
     -------
@@ -77,9 +78,10 @@ def solve_many(
     instances = _instances(problem, parameters, initials, guesses, tolerance)
     first = scheme.program(problem, initial_guess(problem)[0])
     family = Family.of(scheme, first)
-    solvers: list[Solver] = [chosen] * workers
     if isinstance(chosen, InteriorPoint):
         solvers = reusing(chosen, first, workers)
+    else:  # CasADi's solver objects build on functions that all of them share, without a lock
+        workers, solvers = 1, [chosen]
     workshop = _Workshop(solvers)
 
     def answer(instance: Instance) -> Solution:
