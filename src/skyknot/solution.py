@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from skyknot.deferral import Deferring
 from skyknot.errors import UserError
 from skyknot.status import Status
 from skyknot.trajectory import Trajectory, lagrange_basis, located
@@ -48,7 +49,7 @@ class MeshRound:
 
 
 @dataclass(frozen=True)
-class Record:
+class Record(Deferring):
     """What a solution says about how it came to be; all plain data, saved as JSON.
 
     Attributes
@@ -81,7 +82,7 @@ class Record:
     parameters: dict[str, float] = field(default_factory=dict)
     guess: str = "user"
     versions: dict[str, str] = field(default_factory=dict)
-    inputs_hash: str = ""
+    inputs_hash: str = field(default_factory=str)
     detail: str = ""
     timings: dict[str, float] = field(default_factory=dict)
     work: dict[str, int] = field(default_factory=dict)
@@ -90,8 +91,11 @@ class Record:
 
 
 @dataclass(frozen=True)
-class Solution:
+class Solution(Deferring):
     """What ``solve`` returns, solved or not.
+
+    Costates, residuals and witness of what ``solve`` returns are computed when first read, and so
+    is the hash of its record.
 
     Attributes
     ----------
@@ -127,7 +131,7 @@ class Solution:
     record: Record
     problem: Problem | None = None
     gains: Array | None = None
-    witness: Witness | None = None
+    witness: Witness | None = field(default_factory=lambda: None)
 
     @property
     def success(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -27,7 +27,13 @@ from skyknot.trajectory import Trajectory
 from skyknot.transcription import DOORS, Transcription
 from skyknot.transcription.inheritance import inherited
 from skyknot.transcription.pointwise import PointFunctions
-from skyknot.transcription.recover import feedback_gains, multipliers_from, recover, same_unknowns
+from skyknot.transcription.recover import (
+    feedback_gains,
+    multipliers_from,
+    optimality,
+    recover,
+    same_unknowns,
+)
 from skyknot.transcription.refinement import Refinement
 from skyknot.transcription.testimony import testimony
 from skyknot.version import __version__
@@ -175,24 +181,23 @@ def _solved(
     problem, scheme, chosen = task.problem, task.scheme, task.solver
     result = chosen.solve(program, task.tolerance, multipliers, task.callback)
     watch.lap("solver")
-    recovered = recover(program, scheme.table.points, result.z, result.multipliers)
+    recovered = recover(program, scheme.table.points, result.z)
     watch.lap("recovery")
-    return Solution(
+    return Solution.deferred(
+        _told_later(program, scheme, result),
         status=result.status,
         objective=recovered.objective,
         iterations=result.iterations,
         solve_time=watch.laps["solver"],
         history=_history(result),
         trajectory=recovered.trajectory,
-        costates=recovered.costates,
-        kkt_residual=recovered.kkt_residual,
-        max_defect=recovered.max_defect,
         multipliers={
             name: getattr(result.multipliers, name)
             for name in ("defects", "path", "rates", "bounds")
         },
         decision=result.z,
-        record=Record(
+        record=Record.deferred(
+            _hashed_later(program),
             problem=problem.name,
             transcription=f"{scheme.table.name}, {scheme.controls} control",
             solver=chosen.name,
@@ -204,15 +209,47 @@ def _solved(
             parameters=problem.parameter_values() | recovered.globals,
             guess=rung,
             versions=_versions().copy(),
-            inputs_hash=_inputs_hash(program),
             detail=result.detail,
             timings=watch.laps,
             work=result.work,
+            accuracy=None,
+            rounds=(),
         ),
         problem=problem,
         gains=feedback_gains(program, result.gains),
-        witness=testimony(program, scheme.table.points, result.multipliers),
     )
+
+
+def _told_later(
+    program: Program, scheme: Transcription, result: SolverResult
+) -> Callable[[], dict[str, Any]]:
+    """Return what tells the fields of a solution that few read; it holds no solver.
+
+    It has numbers of its own, which whoever writes into the solution's arrays does not change.
+    """
+    z, points, given = result.z.copy(), scheme.table.points, result.multipliers
+    copies = (given.defects, given.path, given.rates, given.bounds)
+    multipliers = Multipliers(*(array.copy() for array in copies))
+
+    def rest() -> dict[str, Any]:
+        told = optimality(program, z, multipliers)
+        return {
+            "costates": told.costates,
+            "kkt_residual": told.kkt_residual,
+            "max_defect": told.max_defect,
+            "witness": testimony(program, points, multipliers),
+        }
+
+    return rest
+
+
+def _hashed_later(program: Program) -> Callable[[], dict[str, Any]]:
+    """Return what tells the hash of a program, whose functions it reads at once.
+
+    CasADi writes them out: not later, when another thread may use them.
+    """
+    functions = program.functions_read
+    return lambda: {"inputs_hash": _inputs_hash(program, functions)}
 
 
 def resolve_transcription(choice: Transcription | Mapping[str, Any] | str) -> Transcription:
@@ -327,8 +364,8 @@ def _versions() -> dict[str, str]:
     }
 
 
-def _inputs_hash(program: Program) -> str:
-    digest = program.functions_read.copy()
+def _inputs_hash(program: Program, functions: Any) -> str:
+    digest = functions.copy()
     p, rates = program, program.rates
     for array in (
         *(p.parameters, p.C, p.A, p.fractions, p.start),

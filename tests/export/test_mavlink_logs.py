@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pymavlink import mavutil
@@ -89,7 +91,7 @@ def test_yaw_is_told_within_half_a_turn(tmp_path):
     turned = type(many.trajectory)(
         many.times, states + 10 * np.eye(12)[8], many.controls, None, *_names(many)
     )
-    solution = type(many)(**{**vars(many), "trajectory": turned})
+    solution = replace(many, trajectory=turned)
     write_export(solution, tmp_path / "f.tlog", "mavlink-position", certificate=CERTIFIED)
     yaw = read_mavlink(tmp_path / "f.tlog").yaw
     assert np.all(np.abs(yaw) <= np.float32(np.pi))

@@ -108,4 +108,4 @@ class Workspace:
     def recovered(self, program: Program, result: SolverResult) -> Recovered:
         """Return what an answer means, in the user's units."""
         points = self.family.table.points
-        return recover(program, points, result.z, result.multipliers)
+        return recover(program, points, result.z)

@@ -114,42 +114,59 @@ def feedback_gains(program: Program, gains: Array | None) -> Array | None:
 
 @dataclass(frozen=True)
 class Recovered:
-    """Everything a solution tells about z, in the user's units.
+    """What z means, in the user's units.
 
     Attributes
     ----------
     trajectory : with the scheme's own interpolant
-    costates : (N+1, nx), see ``costates``
     objective : value of the objective
-    kkt_residual : largest of stationarity, feasibility, complementarity, unscaled
-    max_defect : largest entry of the defects, state units
     globals : values of the free duration and parameters, by name
     """
 
     trajectory: Trajectory
-    costates: Array
     objective: float
-    kkt_residual: float
-    max_defect: float
     globals: dict[str, float]
 
 
-def recover(program: Program, points: Array, z: Array, multipliers: Multipliers) -> Recovered:
-    """Return what z and its multipliers mean.
+def recover(program: Program, points: Array, z: Array) -> Recovered:
+    """Return what z means.
 
     Parameters
     ----------
     points : (s,) state points of the scheme
     """
-    values = evaluate(program, z)
-    q, left = program.globals_of(z), residuals(program, z, multipliers, values)
+    values, q = evaluate(program, z), program.globals_of(z)
     return Recovered(
         trajectory=trajectory(program, points, z, values),
-        costates=costates(program, values, multipliers),
         objective=objective(program, values),
+        globals={name: float(q[i]) for i, name in enumerate(program.global_names)},
+    )
+
+
+@dataclass(frozen=True)
+class Optimality:
+    """What the multipliers of z tell, in the user's units.
+
+    Attributes
+    ----------
+    costates : (N+1, nx), see ``costates``
+    kkt_residual : largest of stationarity, feasibility, complementarity, unscaled
+    max_defect : largest entry of the defects, state units
+    """
+
+    costates: Array
+    kkt_residual: float
+    max_defect: float
+
+
+def optimality(program: Program, z: Array, multipliers: Multipliers) -> Optimality:
+    """Return what the multipliers of z tell."""
+    values = evaluate(program, z)
+    left = residuals(program, z, multipliers, values)
+    return Optimality(
+        costates=costates(program, values, multipliers),
         kkt_residual=left.largest,
         max_defect=left.defect,
-        globals={name: float(q[i]) for i, name in enumerate(program.global_names)},
     )
 
 
