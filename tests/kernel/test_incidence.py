@@ -24,6 +24,14 @@ def test_a_program_that_differs_in_numbers_only_keeps_its_incidence():
     assert program.with_parameters(program.parameters).incidence is program.incidence
 
 
+def test_a_program_at_other_parameters_has_functions_of_its_own():
+    program = program_of(PROBLEMS["plain"], SCHEMES["hermite-simpson"])
+    here = program.point, program.terminal
+    there = program.with_parameters(program.parameters + 1.0)
+    assert there.point is not here[0]
+    assert there.terminal is not here[1]
+
+
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_cost_weights_of_points_sum_to_the_horizon(scheme):
     program = program_of(PROBLEMS["plain"], SCHEMES[scheme])

@@ -18,8 +18,9 @@ an upper bound and negative at a lower one.
 
 from __future__ import annotations
 
+import copy
 import hashlib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -190,9 +191,12 @@ class Program:
 
     def with_numbers(self, **numbers: Array) -> Program:
         """Return the same program with other bounds, start or parameters, by field."""
-        other = replace(self, **numbers)  # type: ignore[arg-type]
         for made_once in ("incidence", "slopes", "functions_read"):
-            other.__dict__[made_once] = getattr(self, made_once)
+            getattr(self, made_once)
+        other = copy.copy(self)
+        other.__dict__.update(numbers)
+        for of_parameters in ("point", "terminal"):
+            other.__dict__.pop(of_parameters, None)
         return other
 
     def starting_at(self, z: Array) -> Program:
