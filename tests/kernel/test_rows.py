@@ -40,6 +40,27 @@ def test_rows_of_other_numbers_are_those_made_anew(scheme):
     assert_same_data(kept.data(first.start), rows_of(first).data(first.start))
 
 
+def bounded(program, where, low, high):
+    """Return the program with other bounds of some unknowns."""
+    lower, upper = program.lower.copy(), program.upper.copy()
+    lower[where], upper[where] = low, high
+    return program.with_numbers(lower=lower, upper=upper)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_limits_are_kept_where_only_values_of_fixed_unknowns_differ(scheme):
+    program = program_of(PROBLEMS["everything"], SCHEMES[scheme])
+    state, end = slice(0, program.layout.nx), program.layout.globals
+    one, other = (bounded(program, state, value, value) for value in (0.1, 0.2))
+    kept = rows_of(one)
+    assert kept.at(other).limits is kept.limits
+    assert_same_data(kept.at(other).data(other.start), rows_of(other).data(other.start))
+    for changed in (bounded(other, 1, 0.1, 0.2), bounded(other, end, 0.5, 0.5)):
+        assert kept.at(changed).limits is not kept.limits
+        here = rows_of(changed).data(changed.start)
+        assert_same_data(kept.at(changed).data(changed.start), here)
+
+
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_vector_survives_the_way_to_rows_and_back(scheme):
     program = program_of(PROBLEMS["everything"], SCHEMES[scheme])

@@ -132,9 +132,7 @@ class Rows:
         """Return the rows of a program that differs in numbers only; see Prepared."""
         other = copy.copy(self)
         other.program = program
-        kept = ("lower", "upper", "path_lower", "path_upper")
-        if any(getattr(program, name) is not getattr(self.program, name) for name in kept):
-            other._limits = None
+        other._limits = self.limits if _same_limits(self.program, program) else None
         return other
 
     def structure(self, patterns: dict[str, list[int]]) -> dict[str, Any]:
@@ -345,6 +343,18 @@ class _Limits:
             "fixed_first": fixed_first,
             **rows.path_tables(*self.path),
         }
+
+
+def _same_limits(one: Program, other: Program) -> bool:
+    """Whether the limits of one program are the other's: where values differ, both fix them."""
+    if one.path_lower is not other.path_lower or one.path_upper is not other.path_upper:
+        return False
+    if one.lower is other.lower and one.upper is other.upper:
+        return True
+    moved = np.flatnonzero((one.lower != other.lower) | (one.upper != other.upper))
+    if np.any(moved >= one.layout.globals):
+        return False
+    return all(np.array_equal(each.lower[moved], each.upper[moved]) for each in (one, other))
 
 
 def _relaxed(program: Program) -> tuple[Array, Array]:
