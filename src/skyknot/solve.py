@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -111,12 +111,22 @@ class Task:
         return self.scheme.program_of(self.functions, self.problem, guess)
 
 
-def answered(task: Task, guess: Trajectory | Solution | None) -> Solution:
-    """Solve a task from a guess, or from the rungs of the guess ladder until one serves."""
+Rungs = Iterable[tuple[Trajectory, str]]
+
+
+def answered(
+    task: Task, guess: Trajectory | Solution | None, rungs: Rungs | None = None
+) -> Solution:
+    """Solve a task from a guess, or from the rungs of the guess ladder until one serves.
+
+    Parameters
+    ----------
+    rungs : the ladder of the task's problem, where it is at hand
+    """
     if guess is not None:
         return _attempt(task, guess, "solution" if isinstance(guess, Solution) else "user")
     failed: list[Solution] = []
-    for start, rung in ladder(task.problem):
+    for start, rung in ladder(task.problem) if rungs is None else rungs:
         solution = _attempt(task, start, rung)
         if solution.status not in _WORTH_ANOTHER_START:
             return solution

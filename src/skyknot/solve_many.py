@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from skyknot.errors import UserError
-from skyknot.problem.guess import initial_guess
+from skyknot.problem.guess import initial_guess, ladders
 from skyknot.problem.problem import Problem
 from skyknot.solution import Solution
 from skyknot.solve import (
     DEFAULT_SOLVER,
+    Rungs,
     Task,
     answered,
     check_arguments,
@@ -84,15 +85,22 @@ def solve_many(
         workers, solvers = 1, [chosen]
     workshop = _Workshop(solvers)
 
-    def answer(instance: Instance) -> Solution:
+    def answer(instance: Instance, rungs: Rungs) -> Solution:
         variant, guess = instance
         with workshop.lent() as own:
-            return answered(Task(variant, family, own, tolerance), guess)
+            return answered(Task(variant, family, own, tolerance), guess, rungs)
 
+    every = _ladders(instances)
     if workers == 1:
-        return [answer(instance) for instance in instances]
+        return list(map(answer, instances, every))
     with ThreadPoolExecutor(workers) as pool:
-        return list(pool.map(answer, instances))
+        return list(pool.map(answer, instances, every))
+
+
+def _ladders(instances: Sequence[Instance]) -> list[Rungs]:
+    """Return the guess ladder of every instance; an empty one where it has a guess."""
+    climbing = iter(ladders([variant for variant, guess in instances if guess is None]))
+    return [next(climbing) if guess is None else () for _, guess in instances]
 
 
 class _Workshop:

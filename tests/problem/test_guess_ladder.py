@@ -8,7 +8,7 @@ import pytest
 
 import skyknot as sk
 from skyknot.models import Allocation, Vehicle
-from skyknot.problem.guess import ladder
+from skyknot.problem.guess import flat_lift, flat_lifts, ladder
 
 
 def craft(**changes):
@@ -71,6 +71,27 @@ def test_a_vehicle_gets_the_flat_lift_which_is_nearly_flyable(by_rotors):
         for x, u in zip(guess.states, guess.controls, strict=True)
     ]
     np.testing.assert_allclose(slope[2:-2], np.array(rates)[2:-2], atol=0.15)
+
+
+@pytest.mark.parametrize("by_rotors", [False, True])
+@pytest.mark.parametrize("steep", [False, True])
+def test_many_lifts_at_once_are_those_of_one_by_one_to_the_bit(by_rotors, steep):
+    """One of them stands still; and one too steep leaves the others theirs."""
+    problem = flight(by_rotors)
+    starts = np.zeros((70, 12))
+    starts[:, :3] = np.random.default_rng(2).uniform(-1, 1, (70, 3))
+    starts[:, 8] = np.linspace(-1, 1, 70)
+    starts[3] = problem.final_lower
+    if steep:
+        starts[66, 0] = 1e4
+    flights = [problem.varied(initial=start.tolist()) for start in starts]
+    for i, (found, each) in enumerate(zip(flat_lifts(flights), flights, strict=True)):
+        alone = flat_lift(each)
+        assert (found is None) == (alone is None) == (i == 3 or (steep and i == 66))
+        if found is not None and alone is not None:
+            np.testing.assert_array_equal(found.times, alone.times)
+            np.testing.assert_array_equal(found.states, alone.states)
+            np.testing.assert_array_equal(found.controls, alone.controls)
 
 
 def test_a_vehicle_that_does_not_move_gets_the_straight_line_at_hover():

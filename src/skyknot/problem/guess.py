@@ -5,7 +5,7 @@ Legend: T duration, s in [0, 1] fraction of it, d^i/dt^i written by the order i.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache
 
 import numpy as np
@@ -20,6 +20,9 @@ from skyknot.trajectory import Trajectory
 Array = NDArray[np.float64]
 
 NODES = 41
+# Flights lifted at once: their samples stay in the processor's cache.
+TOGETHER = 64
+SIDES = "lower", "upper"
 # Height of a bowed guess, as a share of the distance.
 BOW = 0.3
 # Rest-to-rest minimum-snap polynomial 35 s⁴ − 84 s⁵ + 70 s⁶ − 20 s⁷: three derivatives vanish at
@@ -39,12 +42,21 @@ def initial_guess(problem: Problem) -> tuple[Trajectory, str]:
 
 
 def ladder(problem: Problem) -> Iterator[tuple[Trajectory, str]]:
-    """Yield the rungs from best to last: (guess, name).
+    """Return the rungs from best to last: (guess, name).
 
     A flat lift where it applies, the straight line, and around drawn obstacles the straight line
     bowed to either side and over the top by ``BOW`` of its length.
     """
-    lifted = flat_lift(problem)
+    return ladders([problem])[0]
+
+
+def ladders(problems: Sequence[Problem]) -> list[Iterator[tuple[Trajectory, str]]]:
+    """Return the ladders of problems that differ in initial states and parameters only."""
+    lifts = flat_lifts(problems)
+    return [_rungs(problem, lifted) for problem, lifted in zip(problems, lifts, strict=True)]
+
+
+def _rungs(problem: Problem, lifted: Trajectory | None) -> Iterator[tuple[Trajectory, str]]:
     if lifted is not None:
         yield lifted, "flat lift"
     line = straight_line(problem)
@@ -86,7 +98,11 @@ def straight_line(problem: Problem) -> Trajectory:
 
 def ends(problem: Problem) -> tuple[Array, Array]:
     """Return first and last state: what is asked, else the target, else the nearest known."""
-    first = _known(problem.initial_lower, problem.initial_upper)
+    return _ends_from(problem, _known(problem.initial_lower, problem.initial_upper))
+
+
+def _ends_from(problem: Problem, first: Array) -> tuple[Array, Array]:
+    """Return the ends from what is known of first states, (…, nx), NaN elsewhere."""
     last = _known(problem.final_lower, problem.final_upper)
     if problem.target is not None:
         last = np.where(np.isnan(last), problem.target, last)
@@ -112,38 +128,67 @@ def flat_lift(problem: Problem) -> Trajectory | None:
     The translational–yaw model has a closed-form minimum-snap solution between two rests; its
     position and yaw determine every state and control of the quadrotor by differential flatness.
     """
-    if problem.vehicle is None or problem.nx != 12:
-        return None
-    first, last = ends(problem)
-    moves = np.concatenate([last[:3] - first[:3], [last[8] - first[8]]])
+    return flat_lifts([problem])[0]
+
+
+def flat_lifts(problems: Sequence[Problem]) -> list[Trajectory | None]:
+    """Return the flat lifts of problems that differ in initial states and parameters only."""
+    found: list[Trajectory | None] = []
+    for begin in range(0, len(problems), TOGETHER):
+        found += _lifts(problems[begin : begin + TOGETHER])
+    return found
+
+
+def _lifts(problems: Sequence[Problem]) -> list[Trajectory | None]:
+    one, n = problems[0], len(problems)
+    if one.vehicle is None or one.nx != 12:
+        return [None] * n
+    known = _known(*(np.array([getattr(p, f"initial_{side}") for p in problems]) for side in SIDES))
+    first, last = _ends_from(one, known)
+    moves = np.column_stack([last[:, :3] - first[:, :3], last[:, 8] - first[:, 8]])
     if not np.any(moves):
-        return None
-    T = problem.duration_guess
-    s, shapes = _rest_to_rest()
-    flat = np.array([d / T**i for i, d in enumerate(shapes)])[:, :, None] * moves
-    position, velocity, acceleration, jerk, snap = flat[:, :, :3]
-    yaw, yaw_rate, yaw_acceleration = flat[:3, :, 3]
+        return [None] * n
     try:
-        states, controls = lift(
-            problem.vehicle,
-            first[:3] + position,
-            velocity,
-            acceleration,
-            jerk,
-            snap,
-            first[8] + yaw,
-            yaw_rate,
-            yaw_acceleration,
-        )
+        states, wrenches = _rest_to_rest_lift(one, first, moves)
     except UserError:  # too steep for the vehicle: the next rung of the ladder serves
-        return None
-    if not _by_wrench(problem):
-        controls = problem.vehicle.rotor_thrusts(controls)
+        return [None] if n == 1 else [flat_lift(problem) for problem in problems]
+    times = one.duration_guess * _rest_to_rest()[0]
+    states = states.clip(one.state_lower, one.state_upper)
+    return [
+        _lifted(one, times, states[i], wrenches[i]) if np.any(moves[i]) else None for i in range(n)
+    ]
+
+
+def _rest_to_rest_lift(problem: Problem, first: Array, moves: Array) -> tuple[Array, Array]:
+    """Return states (n, NODES, 12) and wrenches (n, NODES, 4) of moves (n, 4) from (n, 12)."""
+    T, n = problem.duration_guess, len(first)
+    shapes = np.array([d / T**i for i, d in enumerate(_rest_to_rest()[1])])
+    flat = shapes[:, None, :, None] * moves[:, None, :]
+    position, velocity, acceleration, jerk, snap = flat[..., :3]
+    yaw, yaw_rate, yaw_acceleration = flat[:3, ..., 3]
+    states, wrenches = lift(
+        problem.vehicle,
+        (first[:, None, :3] + position).reshape(-1, 3),
+        velocity.reshape(-1, 3),
+        acceleration.reshape(-1, 3),
+        jerk.reshape(-1, 3),
+        snap.reshape(-1, 3),
+        (first[:, None, 8] + yaw).ravel(),
+        yaw_rate.ravel(),
+        yaw_acceleration.ravel(),
+    )
+    return states.reshape(n, NODES, 12), wrenches.reshape(n, NODES, 4)
+
+
+def _lifted(problem: Problem, times: Array, states: Array, wrenches: Array) -> Trajectory | None:
+    """Return a lifted flight with the problem's own controls, or None where it has no such."""
+    by_wrench = _by_wrench(problem)
+    controls = wrenches if by_wrench else problem.vehicle.rotor_thrusts(wrenches)
     if controls.shape[1] != problem.nu or not np.isfinite(states).all():
         return None
     return Trajectory(
-        T * s,
-        states.clip(problem.state_lower, problem.state_upper),
+        times,
+        states,
         controls.clip(problem.control_lower, problem.control_upper),
         state_names=problem.state_names,
         control_names=problem.control_names,
