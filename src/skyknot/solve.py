@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skyknot.errors import UserError
+from skyknot.kernel.functions import Functions
 from skyknot.kernel.program import Multipliers, Program
 from skyknot.problem.guess import ladder
 from skyknot.problem.problem import Problem
@@ -258,7 +259,7 @@ def _hashed_later(program: Program) -> Callable[[], dict[str, Any]]:
 
     CasADi writes them out: not later, when another thread may use them.
     """
-    functions = program.functions_read
+    functions = program.functions
     return lambda: {"inputs_hash": _inputs_hash(program, functions)}
 
 
@@ -374,8 +375,8 @@ def _versions() -> dict[str, str]:
     }
 
 
-def _inputs_hash(program: Program, functions: Any) -> str:
-    digest = functions.copy()
+def _inputs_hash(program: Program, functions: Functions) -> str:
+    digest = functions.read.copy()
     p, rates = program, program.rates
     for array in (
         *(p.parameters, p.C, p.A, p.fractions, p.start),

@@ -19,15 +19,14 @@ an upper bound and negative at a lower one.
 from __future__ import annotations
 
 import copy
-import hashlib
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from skyknot.kernel.functions import Functions
 from skyknot.kernel.incidence import Chosen, Incidence
 from skyknot.kernel.layout import Layout
 from skyknot.kernel.slopes import Slopes, slopes_of
@@ -156,15 +155,12 @@ class Program:
     @cached_property
     def slopes(self) -> Slopes:
         """Values and first derivatives of the point functions, as tapes."""
-        return slopes_of(self.parametric_point, self.parametric_terminal)
+        return slopes_of(self.functions)
 
     @cached_property
-    def functions_read(self) -> Any:
-        """A SHA-256 object of hashlib that has read the functions; to be copied."""
-        digest = hashlib.sha256()
-        for function in (self.parametric_point, self.parametric_terminal):
-            digest.update(str(function.serialize()).encode())
-        return digest
+    def functions(self) -> Functions:
+        """The functions, as they are known again."""
+        return Functions.of(self.parametric_point, self.parametric_terminal)
 
     @property
     def point_cost(self) -> Array:
@@ -191,7 +187,7 @@ class Program:
 
     def with_numbers(self, **numbers: Array) -> Program:
         """Return the same program with other bounds, start or parameters, by field."""
-        for made_once in ("incidence", "slopes", "functions_read"):
+        for made_once in ("incidence", "slopes", "functions"):
             getattr(self, made_once)
         other = copy.copy(self)
         other.__dict__.update(numbers)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from skyknot.kernel import native
 from skyknot.kernel.evaluation import evaluate
+from skyknot.kernel.functions import Functions
 from skyknot.kernel.program import Multipliers, Program
 from skyknot.kernel.tape import Tape
 
@@ -46,22 +47,16 @@ class Tapes:
 def tapes(program: Program, path_scale: Array) -> Tapes:
     """Return the scaled tapes of a program; programs that differ in mesh or numbers share them."""
     scales = [tuple(S.tolist()) for S in (*_scales(program), path_scale)]
-    functions = program.parametric_point, program.parametric_terminal
-    return _tapes(*functions, len(program.parameters), *scales)
+    return _tapes(program.functions, len(program.parameters), *scales)
 
 
 @lru_cache(maxsize=32)
-def _tapes(
-    point: ca.Function,
-    end_cost: ca.Function,
-    parameters: int,
-    *scales: tuple[float, ...],
-) -> Tapes:
+def _tapes(functions: Functions, parameters: int, *scales: tuple[float, ...]) -> Tapes:
     S_x, S_u, S_q, path_scale = (np.array(scale) for scale in scales)
     nq, ng = len(S_q), len(path_scale)
     x, u, q = (ca.SX.sym(n, len(S)) for n, S in (("x", S_x), ("u", S_u), ("q", S_q)))
     tau, p = ca.SX.sym("tau"), ca.SX.sym("p", parameters)
-    L, F, g = point(x * S_x, u * S_u, q * S_q if nq else q, tau, p)
+    L, F, g = functions.point(x * S_x, u * S_u, q * S_q if nq else q, tau, p)
     F, g = ca.densify(F) / S_x, ca.densify(g) / path_scale if ng else g
     y = ca.vertcat(x, u, q)
     c, nu_F, nu_g = ca.SX.sym("c"), ca.SX.sym("nu", len(S_x)), ca.SX.sym("y", ng)
@@ -69,7 +64,7 @@ def _tapes(
     H = ca.tril(ca.hessian(c * L + ca.dot(nu_F, F) + (ca.dot(nu_g, g) if ng else 0), y)[0])
     value = _function("value", [x, u, q, tau, p], [ca.densify(L), F, g])
     full = _function("full", [x, u, q, tau, p, c, nu_F, nu_g], [ca.densify(L), F, g, JL, JF, Jg, H])
-    M = end_cost(x * S_x, q * S_q if nq else q, p)
+    M = functions.terminal(x * S_x, q * S_q if nq else q, p)
     end = ca.vertcat(x, q)
     HM, JM = ca.hessian(M, end)
     terminal = _function("terminal", [x, q, p], [ca.densify(e) for e in (M, JM, HM)])

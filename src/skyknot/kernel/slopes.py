@@ -12,6 +12,7 @@ from functools import lru_cache
 
 import casadi as ca
 
+from skyknot.kernel.functions import Functions
 from skyknot.kernel.tape import Tape
 
 
@@ -30,8 +31,9 @@ class Slopes:
 
 
 @lru_cache(maxsize=32)
-def slopes_of(point: ca.Function, terminal: ca.Function) -> Slopes:
-    """Return the tapes of (x, u, q, τ, p) → (L, F, g) and (x, q, p) → M."""
+def slopes_of(functions: Functions) -> Slopes:
+    """Return the tapes of a program's functions; the same where they are written alike."""
+    point, terminal = functions.point, functions.terminal
     inputs = _symbols(point)
     values = [ca.densify(value) for value in point(*inputs)]
     y = ca.vertcat(*inputs[:3])
