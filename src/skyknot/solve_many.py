@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from queue import SimpleQueue
 from typing import Any
 
 import numpy as np
@@ -79,46 +79,52 @@ def solve_many(
     instances = _instances(problem, parameters, initials, guesses, tolerance)
     first = scheme.program(problem, initial_guess(problem)[0])
     family = Family.of(scheme, first)
+    solvers = [chosen]  # CasADi's build on functions that all of them share, without a lock
     if isinstance(chosen, InteriorPoint):
         solvers = reusing(chosen, first, workers)
-    else:  # CasADi's solver objects build on functions that all of them share, without a lock
-        workers, solvers = 1, [chosen]
-    workshop = _Workshop(solvers)
-
-    def answer(instance: Instance, rungs: Rungs) -> Solution:
-        variant, guess = instance
-        with workshop.lent() as own:
-            return answered(Task(variant, family, own, tolerance), guess, rungs)
-
     every = _ladders(instances)
-    if workers == 1:
-        return list(map(answer, instances, every))
-    with ThreadPoolExecutor(workers) as pool:
-        return list(pool.map(answer, instances, every))
+
+    def answer(i: int, own: Solver) -> Solution:
+        variant, guess = instances[i]
+        return answered(Task(variant, family, own, tolerance), guess, every[i])
+
+    return _shared_out(len(instances), answer, solvers)
+
+
+def _shared_out(
+    count: int, answer: Callable[[int, Solver], Solution], solvers: Sequence[Solver]
+) -> list[Solution]:
+    """Return the answers 0 … count − 1; every solver has a thread that takes the next in turn."""
+    pending, found = iter(range(count)), dict[int, Solution]()
+
+    def serve(own: Solver) -> None:
+        try:
+            for i in pending:
+                found[i] = answer(i, own)
+        finally:
+            _drained(pending)
+
+    if len(solvers) == 1:
+        serve(solvers[0])
+    else:
+        with ThreadPoolExecutor(len(solvers)) as pool:
+            try:
+                for served in [pool.submit(serve, own) for own in solvers]:
+                    served.result()
+            finally:
+                _drained(pending)
+    return [found[i] for i in range(count)]
+
+
+def _drained(pending: Iterator[int]) -> None:
+    """Leave nothing pending: after an error or Ctrl-C no thread begins another instance."""
+    deque(pending, maxlen=0)
 
 
 def _ladders(instances: Sequence[Instance]) -> list[Rungs]:
     """Return the guess ladder of every instance; an empty one where it has a guess."""
     climbing = iter(ladders([variant for variant, guess in instances if guess is None]))
     return [next(climbing) if guess is None else () for _, guess in instances]
-
-
-class _Workshop:
-    """As many solvers as there are threads, lent to one instance at a time."""
-
-    def __init__(self, solvers: Sequence[Solver]) -> None:
-        self._idle: SimpleQueue[Solver] = SimpleQueue()
-        for solver in solvers:
-            self._idle.put(solver)
-
-    @contextmanager
-    def lent(self) -> Iterator[Solver]:
-        """Lend a solver until the block is left."""
-        solver = self._idle.get()
-        try:
-            yield solver
-        finally:
-            self._idle.put(solver)
 
 
 def _instances(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 
 import casadi as ca
@@ -154,6 +155,21 @@ def test_an_instance_remembers_its_own_problem():
     assert found.problem.parameters["stiffness"] == 2.0
     assert found.record.parameters["stiffness"] == 2.0
     assert PENDULUM.parameters["stiffness"] == 1.0
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_an_error_is_raised_and_no_thread_begins_another_instance(threads, monkeypatch):
+    begun = []
+
+    def answered(task, *_):
+        begun.append(task.problem.initial_lower[0])
+        raise RuntimeError("out of paper")
+
+    monkeypatch.setattr(sys.modules["skyknot.solve_many"], "answered", answered)
+    starts = np.linspace([0.0, 0.0], [1.0, 0.0], 50)
+    with pytest.raises(RuntimeError, match="out of paper"):
+        sk.solve_many(PENDULUM, initials=starts, transcription=SCHEME, threads=threads)
+    assert 1 <= len(begun) <= threads
 
 
 def test_no_instances_give_no_solutions():
