@@ -105,9 +105,9 @@ void InteriorPoint::estimate_multipliers() {
     used_defect_.clear();
     newton.regularisation = 1.0;
     const bool factored = newton.factor();
+    if (factored) newton.solve(right_, q_right_.data(), used_defect_, direction_, 0);
     newton.regularisation = 0.0;
     if (!factored) return;
-    newton.solve(right_, q_right_.data(), used_defect_, direction_, 0);
     double most = 0.0;
     for (int i = 0; i < lambda.rows(); ++i)
         for (int k = 0; k < S_.N; ++k) most = std::max(most, std::abs(direction_.lambda.row(i)[k]));
