@@ -9,6 +9,7 @@
 
 #include "structure.hpp"
 #include "transpose.hpp"
+#include "vector8.hpp"
 #include "workspace.hpp"
 
 namespace skyknot::inline SKYKNOT_ISA {
@@ -52,8 +53,15 @@ private:
 };
 
 // Eight entries one column further than `from`: the last stands in the next block.
-[[gnu::always_inline]] inline Wide load_next(const double* from, std::size_t stride) {
-    return __builtin_shufflevector(load_wide(from), load_wide(from + stride), 1, 2, 3, 4, 5, 6, 7, 8);
+SKYKNOT_INLINE Vector8 load_next(const double* from, std::size_t stride) {
+#if defined(__AVX512F__)
+    const Wide here = load_wide(from), next = load_wide(from + stride);
+    return {NativeVector(__builtin_shufflevector(here, next, 1, 2, 3, 4, 5, 6, 7, 8))};
+#else
+    Vector8 eight = load8(from + 1);
+    set_last(eight, from[stride]);
+    return eight;
+#endif
 }
 
 }  // namespace skyknot::inline SKYKNOT_ISA

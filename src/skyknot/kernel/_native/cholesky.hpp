@@ -3,6 +3,8 @@
 // Legend: the columns hold [C_11; C_21], C_11 eight by eight; they become [L; C_21 L⁻ᵀ], C_11 = L Lᵀ.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "transpose.hpp"
@@ -12,10 +14,34 @@ namespace skyknot::inline SKYKNOT_ISA {
 
 // The first 8 R rows of `count` ≤ 8 columns; inverse: 1 / L_pp. False when a pivot is not positive.
 //
+// For vectors of less than eight, which have no registers for all of it: column after column.
+template <int R>
+bool factor_narrow(double* columns, int ld, int count, double* inverse) {
+    for (int p = 0; p < count; ++p) {
+        double* const column = columns + p * ld;
+        Vector8 sum[R];
+        for (int r = 0; r < R; ++r) sum[r] = load8(column + 8 * r);
+        for (int l = 0; l < p; ++l) {
+            const Vector8 factor = broadcast8(columns[l * ld + p]);
+            for (int r = 0; r < R; ++r) sum[r] -= load8(columns + l * ld + 8 * r) * factor;
+        }
+        store8(column, sum[0]);
+        const double pivot = column[p];
+        if (!(pivot > 0.0) || !std::isfinite(pivot)) return false;
+        inverse[p] = 1.0 / std::sqrt(pivot);
+        for (int r = 0; r < R; ++r) store8(column + 8 * r, sum[r] * inverse[p]);
+        std::fill_n(column, p, 0.0);
+    }
+    return true;
+}
+
+// The same with all columns in registers.
+//
 // C = L̃ D L̃ᵀ first, roots of D at the end. What every pivot waits for is kept short: it comes from
 // two numbers, not from the columns, whose update runs beside the next division.
 template <int R>
 [[gnu::noinline]] bool factor_columns(double* columns, int ld, int count, double* inverse) {
+    if constexpr (native_width < 8) return factor_narrow<R>(columns, ld, count, inverse);
     constexpr Wide lane = {0, 1, 2, 3, 4, 5, 6, 7};
     Wide c[8][R];
 #pragma GCC unroll 8
@@ -63,13 +89,14 @@ template <int R>
 // Rows below those: X ← X L⁻ᵀ, eight rows of `count` columns.
 inline void solve_rows(const double* L, double* rows, int ld, int count, const double* inverse) {
     for (int p = 0; p < count; ++p) {
-        Wide sum = load_wide(rows + p * ld);
-        for (int j = 0; j < p; ++j) sum -= load_wide(rows + j * ld) * L[j * ld + p];
-        store_wide(rows + p * ld, sum * inverse[p]);
+        Vector8 sum = load8(rows + p * ld);
+        for (int j = 0; j < p; ++j) sum -= load8(rows + j * ld) * L[j * ld + p];
+        store8(rows + p * ld, sum * inverse[p]);
     }
 }
 
 // L⁻¹ of eight by eight, row-major, from L's first `count` columns; rows past them are zero.
+#if defined(__AVX512F__)
 [[gnu::noinline]] inline void invert_rows(const double* L, int ld, int count, const double* inverse,
                                           double* to) {
     constexpr Wide lane = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -88,6 +115,17 @@ inline void solve_rows(const double* L, double* rows, int ld, int count, const d
         for (int j = p + 1; j < 8; ++j) row[j] -= row[p] * L[p * ld + j];
     }
 }
+#else
+inline void invert_rows(const double* L, int ld, int count, const double* inverse, double* to) {
+    std::fill_n(to, 64, 0.0);
+    for (int p = 0; p < count; ++p) {
+        to[8 * p + p] = 1.0;
+        Vector8 row = load8(to + 8 * p);
+        for (int j = 0; j < p; ++j) row -= L[j * ld + p] * load8(to + 8 * j);
+        store8(to + 8 * p, row * inverse[p]);
+    }
+}
+#endif
 
 // `rows` rows, a multiple of eight, of `count` ≤ 8 columns.
 inline bool factor_panel(double* columns, int ld, int rows, int count, double* inverse) {

@@ -75,51 +75,55 @@ template <class Code>
     return static_cast<std::ptrdiff_t>(std::uint32_t{at[0]} | std::uint32_t{at[1]} << 16);
 }
 
-// Lane l of the eight vectors goes to block l, side by side.
-SKYKNOT_INLINE void write_block(Vector8Block& eight, double* to, std::size_t stride, int filled) {
-    eight.transpose();
-    if (filled == lane_count) {
-        for (std::size_t lane = 0; lane < lane_count; ++lane)
-            store_wide(to + lane * stride, eight.rows[lane]);
-        return;
-    }
-    for (std::size_t lane = 0; lane < static_cast<std::size_t>(filled); ++lane)
-        store_wide(to + lane * stride, eight.rows[lane]);
+// Lane l of the eight vectors at from(0) … from(7) goes to block l, side by side.
+template <class From>
+SKYKNOT_INLINE void write_block(From from, double* to, std::size_t stride, int filled) {
+    if (filled == lane_count)
+        turn_block(from, [=](int lane) { return to + static_cast<std::size_t>(lane) * stride; });
+    else
+        turn_block(from, [=](int lane) {
+            return lane < filled ? to + static_cast<std::size_t>(lane) * stride : nullptr;
+        });
 }
 
-// One native vector of lanes after the other: eight sums stay in registers, whatever their width.
+// Eight sums over a native vector of lanes, from lane `part` on: they stay in registers, whatever the
+// width.
 template <bool start, class Code>
-[[gnu::always_inline]] inline void sum_rows(const Code* from, const Code* at, std::uint32_t terms,
-                                            const double* w, Vector8Block& eight) {
+SKYKNOT_INLINE void sum_rows(const Code* from, const Code* pair, std::uint32_t terms, const double* w,
+                             NativeVector (&sums)[8]) {
     using Native = Lanes<native_width>;
-    for (int part = 0; part < lane_count; part += native_width) {
-        Native sum[8];
-        for (int j = 0; j < 8; ++j)
-            sum[j] = start ? Native::load(w + from[j] + part) : Native{};
-        const Code* pair = at;
-        for (std::uint32_t t = 0; t < terms; ++t, pair += 2) {
-            const Native factor = Native::load(w + pair[0] + part);
-            const double* row = w + pair[1] + part;
-            for (int j = 0; j < 8; ++j)
-                sum[j] = fused(factor, Native::load(row + 8 * j), sum[j]);
-        }
-        for (int j = 0; j < 8; ++j)
-            std::memcpy(reinterpret_cast<double*>(&eight.rows[j]) + part, &sum[j].vector,
-                        sizeof sum[j].vector);
+    Native sum[8];
+    for (int j = 0; j < 8; ++j) sum[j] = start ? Native::load(w + from[j]) : Native{};
+    for (std::uint32_t t = 0; t < terms; ++t, pair += 2) {
+        const Native factor = Native::load(w + pair[0]);
+        const double* row = w + pair[1];
+        for (int j = 0; j < 8; ++j) sum[j] = fused(factor, Native::load(row + 8 * j), sum[j]);
     }
+    for (int j = 0; j < 8; ++j) sums[j] = sum[j].vector;
 }
 
 template <bool start, class Code>
 const Code* panels(const Code* at, std::uint32_t length, std::uint32_t terms, const Running& running) {
+    constexpr int w = native_width;
+    const int filled = running.pass.filled;
     for (std::uint32_t i = 0; i < length; ++i) {
         const Blocks& to = running.pass.blocks[at[0]];
         double* const place = to.at + offset_at(at + 1);
         const Code* const from = at + 3;
         at = from + (start ? 8 : 0);
-        Vector8Block eight;
-        sum_rows<start>(from, at, terms, running.pass.workspace, eight);
+        for (int part = 0; part < lane_count; part += w) {
+            NativeVector sums[8];
+            sum_rows<start>(from, at, terms, running.pass.workspace + part, sums);
+            for (int j = 0; j < 8; j += w) {
+                NativeVector square[w];
+                for (int k = 0; k < w; ++k) square[k] = sums[j + k];
+                turn_square(square);
+                for (int k = 0; k < w; ++k)
+                    if (part + k < filled)
+                        Lanes<w>{square[k]}.store(place + static_cast<std::size_t>(part + k) * to.stride + j);
+            }
+        }
         at += 2 * terms;
-        write_block(eight, place, to.stride, running.pass.filled);
     }
     return at;
 }
@@ -129,11 +133,10 @@ const Code* blocks(const Code* at, std::uint32_t length, std::uint32_t, const Ru
     for (std::uint32_t i = 0; i < length; ++i, at += 11)
         for (int group = 0; group < groups; ++group) {
             const double* const slots = running.slots(static_cast<std::size_t>(group));
-            Vector8Block eight;
-            for (int j = 0; j < 8; ++j) eight.rows[j] = load_wide(slots + at[3 + j]);
+            const auto row = [&](int j) SKYKNOT_LAMBDA { return slots + at[3 + j]; };
             const Blocks& to = running.pass.blocks[at[0]];
             double* const place = to.at + static_cast<std::size_t>(lane_count * group) * to.stride;
-            write_block(eight, place + offset_at(at + 1), to.stride,
+            write_block(row, place + offset_at(at + 1), to.stride,
                         std::min(lane_count, running.pass.filled - lane_count * group));
         }
     return at;
@@ -173,7 +176,7 @@ const Code* loads_further(const Code* at, std::uint32_t length, std::uint32_t, c
     const auto load = [&](double* slots, std::ptrdiff_t first, const Code* code) SKYKNOT_LAMBDA {
         const Four four = four_at(code);
         const double* const from = running.pass.sources[four.second] + four.offset() + first;
-        store_wide(slots + four.first, load_next(from, code[4]));
+        store8(slots + four.first, load_next(from, code[4]));
     };
     return each<groups, 5>(at, length, running, load);
 }

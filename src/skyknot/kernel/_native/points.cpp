@@ -141,25 +141,25 @@ void Points::combine(const RowBuffer& v, const std::vector<BlockRows>& F, int fi
     for (int first = 0; first < S_.N; first += 8)
         for (int i = 0; i < S_.s - 1; ++i)
             for (int r = 0; r < S_.nx; ++r) {
-                Wide sum{};
+                Vector8 sum{};
                 for (int c = 0; c < n; ++c) {
                     const double a = S_.A[at(i * n + c)];
                     if (a == 0.0) continue;
                     const bool next = S_.shared && c == S_.classes();
                     const BlockRows& from = F[at(next ? 0 : c)];
                     const double* f = from.block(first) + 8 * (first_row + r);
-                    sum += a * (next ? load_next(f, from.stride()) : load_wide(f));
+                    sum += a * (next ? load_next(f, from.stride()) : load8(f));
                 }
-                sum *= load_wide(length.row(0) + first);
-                if (base != nullptr) sum += load_wide(base->row(i * S_.nx + r) + first);
+                sum = sum * load8(length.row(0) + first);
+                if (base != nullptr) sum += load8(base->row(i * S_.nx + r) + first);
                 for (int j = 0; j < S_.s; ++j) {
                     const double weight = S_.C[at(i * S_.s + j)];
                     if (weight == 0.0) continue;
                     const bool last = j == S_.s - 1;
                     const double* x = v.row(S_.state_row(last ? 0 : j, r)) + (last ? 1 : 0);
-                    sum += weight * load_wide(x + first);
+                    sum += weight * load8(x + first);
                 }
-                store_wide(d.row(i * S_.nx + r) + first, sum);
+                store8(d.row(i * S_.nx + r) + first, sum);
             }
 }
 

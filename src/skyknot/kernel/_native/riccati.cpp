@@ -14,10 +14,8 @@ std::size_t size(int a, int b = 1) { return static_cast<std::size_t>(a) * static
 
 // Writes the transpose of an eight by eight block; only its first `columns` columns exist.
 void mirror(const double* from, double* to, int stride, int columns) {
-    Vector8Block block;
-    for (int j = 0; j < 8; ++j) block.rows[j] = load_wide(from + j * stride);
-    block.transpose();
-    for (int j = 0; j < columns; ++j) store_wide(to + j * stride, block.rows[j]);
+    turn_block([=](int j) { return from + j * stride; },
+               [=](int j) { return j < columns ? to + j * stride : nullptr; });
 }
 }  // namespace
 
@@ -127,7 +125,7 @@ void Riccati::backward(RightSide& right) const {
         for (int p = 0; p < vp; p += 8) {
             const double* W = inverse(k) + 8 * p;
             const auto row = [=](int j) { return W + 8 * j; };
-            store_wide(y + p, row_products(row, 8, work + p, 8));
+            row_products(nullptr, row, 8, work + p, 8, y + p);
             const double* below = L(k) + p * wp + p + 8;
             multiply_vector(work + p + 8, below, wp, y + p, work + p + 8, wp - p - 8,
                             std::min(8, nv - p), -1.0);
@@ -161,9 +159,9 @@ void Riccati::forward(RightSide& right) const {
         for (int p = vp - 8; p >= 0; p -= 8) {
             const double* columns = L(k) + p * wp + p + 8;
             const auto column = [=](int j) { return columns + j * wp; };
-            const Wide below = row_products(column, std::min(8, nv - p), w + p + 8, wp - p - 8);
             double sum[8], zero[8] = {};
-            store_wide(sum, load_wide(right.y.get() + k * vp + p) + below);
+            row_products(right.y.get() + k * vp + p, column, std::min(8, nv - p), w + p + 8, wp - p - 8,
+                         sum);
             multiply_vector(zero, inverse(k) + 8 * p, 8, sum, w + p, 8, 8, -1.0);
         }
         const double* A = stage(k) + layout_.A(0, 0);
@@ -172,8 +170,7 @@ void Riccati::forward(RightSide& right) const {
             const auto row = [&](int j) {
                 return i + j < nx ? A + (i + j) * wp : carry_.get() + (i + j - nx) * wp;
             };
-            const Wide next = row_products(row, std::min(8, ns - i), w, wp);
-            store_wide(s + i, i < nx ? next + load_wide(r + i) : next);
+            row_products(i < nx ? r + i : nullptr, row, std::min(8, ns - i), w, wp, s + i);
         }
     }
 }

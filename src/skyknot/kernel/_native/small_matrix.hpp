@@ -62,7 +62,8 @@ SKYKNOT_INLINE void block(Base base, const Product& plus, const Product& minus, 
 template <int R>
 inline void columns(Base base, const Product& plus, const Product& minus, double* C, int ldc,
                     int count) {
-    constexpr int J = R == 1 ? 8 : 4;  // enough sums not to wait for one, and no more
+    // enough sums not to wait for one, and no more than there are registers for
+    constexpr int J = native_width == 8 ? (R == 1 ? 8 : 4) : R == 1 ? 4 : R == 2 ? 3 : 2;
     int j = 0;
     const auto from = [&]() { return Base{base.at ? base.at + j * base.stride : nullptr, base.stride}; };
     for (; j + J <= count; j += J)
@@ -115,21 +116,31 @@ inline void multiply_vector(const double* base, const double* A, int lda, const 
     if (rows - r == 8) vector_block<1>(base + r, A + r, lda, b, out + r, depth, sign);
 }
 
-// Entry j: the product of `row(j)` with b, both `length` long, a multiple of eight; zero from
-// `count` ≤ 8 on.
+// out[j] = base[j], or zero without a base, + the product of `row(j)` with b, both `length` long, a
+// multiple of eight; there are `count` ≤ 8 rows.
 template <class Row>
-[[gnu::always_inline]] inline Wide row_products(Row row, int count, const double* b, int length) {
-    Vector8Block products;
+SKYKNOT_INLINE void row_products(const double* base, Row row, int count, const double* b, int length,
+                                 double* out) {
+    if constexpr (native_width == 8) {
+        Wide products[8];
 #pragma GCC unroll 8
-    for (int j = 0; j < 8; ++j) {
-        Wide sum{};
-        if (j < count) {
-            const double* const a = row(j);
-            for (int i = 0; i < length; i += 8) sum += load_wide(a + i) * load_wide(b + i);
+        for (int j = 0; j < 8; ++j) {
+            Wide sum{};
+            if (j < count) {
+                const double* const a = row(j);
+                for (int i = 0; i < length; i += 8) sum += load_wide(a + i) * load_wide(b + i);
+            }
+            products[j] = sum;
         }
-        products.rows[j] = sum;
+        const Wide sums = row_sums(products);
+        store_wide(out, base ? load_wide(base) + sums : sums);
+    } else {
+        for (int j = 0; j < 8; ++j) {
+            Vector8 sum{};
+            for (int i = 0; j < count && i < length; i += 8) sum += load8(row(j) + i) * load8(b + i);
+            out[j] = base ? base[j] + sum8(sum) : sum8(sum);
+        }
     }
-    return products.sums();
 }
 
 }  // namespace skyknot::inline SKYKNOT_ISA

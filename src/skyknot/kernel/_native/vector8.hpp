@@ -13,6 +13,12 @@ SKYKNOT_INLINE Vector8 broadcast8(double x) { return Vector8::all(x); }
 SKYKNOT_INLINE Vector8& operator+=(Vector8& a, const Vector8& b) { return a = a + b; }
 SKYKNOT_INLINE Vector8& operator-=(Vector8& a, const Vector8& b) { return a = a - b; }
 
+template <int L>
+SKYKNOT_INLINE void set_last(Lanes<L>& lanes, double value) {
+    if constexpr (Lanes<L>::is_native) lanes.vector[L - 1] = value;
+    else set_last(lanes.high, value);
+}
+
 SKYKNOT_INLINE double sum8(const Vector8& v) {
     double entries[8];
     v.store(entries);
