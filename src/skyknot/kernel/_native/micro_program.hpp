@@ -79,13 +79,12 @@ class Builder {
 public:
     explicit Builder(std::size_t stride) : stride_(stride) {}
 
-    Value zero() const { return {}; }
     Value constant(double value);
     // Row `row` of source `source`, read at first + shift.
     Value input(std::uint32_t source, std::size_t row, std::ptrdiff_t shift = 0);
     // Row `row` of a block that holds eight segments only, rows one after the other; of one source.
     // Where every term of a dot has such a factor, or a one, it is read where it stands; row 0 of
-    // the block must be ones.
+    // the block must be ones for the latter, and numbers in any case.
     Value stored(std::uint32_t source, std::size_t row) {
         stored_source_ = source;
         return read(load_stored, source, static_cast<std::uint32_t>(row * lane_count));

@@ -31,7 +31,6 @@ public:
     void add(const RowBuffer& other) {
         for (std::size_t i = 0; i < size(); ++i) memory_[i] += other.memory_[i];
     }
-    void fill(double value) { std::fill_n(memory_.get(), size(), value); }
     std::size_t size() const {
         return static_cast<std::size_t>(rows_ * stride_) + 2 * Structure::front;
     }
