@@ -88,7 +88,14 @@ def _scales(program: Program) -> tuple[Array, Array, Array]:
 
 
 class Rows:
-    """Translates a program, its unknowns and its multipliers to rows and back."""
+    """Translates a program, its unknowns and its multipliers to rows and back.
+
+    Attributes
+    ----------
+    positions : (rows, N+1) where in z each entry of the rows stands, −1 where there is none
+    places : (globals,) where in the rows, one after the other, each entry of z before its globals
+        stands
+    """
 
     def __init__(self, program: Program) -> None:
         self.program = program
@@ -109,8 +116,8 @@ class Rows:
             self.positions[rows, N] = layout.controls_at(layout.control[-1, -1:])[0]
         self.here = self.positions >= 0
         self._absent = None if self.here.all() else ~self.here
-        self._source = np.empty(layout.globals, dtype=np.intp)
-        self._source[self.positions[self.here]] = np.flatnonzero(self.here)
+        self.places = np.empty(layout.globals, dtype=np.intp)
+        self.places[self.positions[self.here]] = np.flatnonzero(self.here)
         self.scale = np.concatenate([np.tile(self.S_x, s - 1), np.tile(self.S_u, own)])
         n_used = len(program.used)
         self.classes = [program.segment_points[:, c] for c in range(n_used - program.shared)]
@@ -145,6 +152,7 @@ class Rows:
             "C": program.C.ravel().tolist(), "A": program.A.ravel().tolist(),
             "W": program.control_weights.ravel().tolist(),
             **{name: [int(i) for i in entries] for name, entries in patterns.items()},
+            "places": self.places,
             "rate_control": self.rates.control, "rate_weights": self.rates.weights,
         }  # fmt: skip
 
@@ -154,10 +162,6 @@ class Rows:
         if self._absent is not None:
             rows[self._absent] = fill
         return rows
-
-    def from_rows(self, rows: Array, at_globals: Array) -> Array:
-        """Return a vector like z of its entries in rows, (rows, N+1), and its globals, (nq,)."""
-        return np.concatenate([rows.ravel()[self._source], at_globals])
 
     @property
     def limits(self) -> _Limits:
@@ -232,8 +236,7 @@ class Rows:
 
     def unknowns(self, result: dict[str, Any]) -> Array:
         """Return z of a native result."""
-        q = np.asarray(result["q"]) * self.S_q
-        z = self.from_rows(result["z"] * self.scale[:, None], q)
+        z: Array = result["z"][0]
         return z.clip(self.program.lower, self.program.upper)
 
     def multipliers(self, result: dict[str, Any]) -> Multipliers:
@@ -243,23 +246,16 @@ class Rows:
         native solve last differentiated: its result, when it succeeded.
         """
         program, sigma = self.program, self.objective_scale
-        rows = result["lambda"].reshape(len(program.C), program.layout.nx, self.N)
-        bounds = result["zu"] - result["zl"]
-        fixed = np.asarray(result["fixed"])
-        bounds[: len(self.S_x), 0] += fixed[: len(self.S_x)]
-        bounds[self.limits.pinned] += fixed[len(self.S_x) :]
-        bounds /= sigma * self.scale[:, None]
-        q = np.asarray(result["q_zu"]) - np.asarray(result["q_zl"])
         path = np.zeros(program.path_lower.shape)
         for points, y in zip(self.classes, result["y"][:-1], strict=True):
             path[points] = y.T / (sigma * self.path_scale)
         rates = np.zeros(len(program.rates.length))
         self.rates.add_multipliers(result["y"][-1] / sigma, rates)
         return Multipliers(
-            defects=np.ascontiguousarray(rows.transpose(2, 0, 1)) / (sigma * self.S_x),
+            defects=result["defects"].reshape(self.N, len(program.C), program.layout.nx),
             path=path,
             rates=rates,
-            bounds=self.from_rows(bounds, q / (sigma * self.S_q)),
+            bounds=result["bounds"][0],
         )
 
     def gains(self, gains: Array) -> Array | None:

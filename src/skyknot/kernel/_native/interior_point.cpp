@@ -163,13 +163,11 @@ void InteriorPoint::gradients() {
         lagrangian_.row(pins[p].row)[pins[p].k] += pin_multipliers[p];
 }
 
-std::vector<double> InteriorPoint::fixed_multipliers() const {
-    std::vector<double> found(at(S_.nx));
+void InteriorPoint::complete_fixed() {
     for (int i = 0; i < S_.nx; ++i)
-        if (newton.fixed_first(i)) found[at(i)] = -lagrangian_.row(S_.state_row(0, i))[0];
+        if (newton.fixed_first(i)) zu.row(S_.state_row(0, i))[0] = -lagrangian_.row(S_.state_row(0, i))[0];
     for (std::size_t p = 0; p < pins.size(); ++p)
-        found.push_back(pin_multipliers[p] - lagrangian_.row(pins[p].row)[pins[p].k]);
-    return found;
+        zu.row(pins[p].row)[pins[p].k] = pin_multipliers[p] - lagrangian_.row(pins[p].row)[pins[p].k];
 }
 
 double InteriorPoint::multiplier_scale() const {

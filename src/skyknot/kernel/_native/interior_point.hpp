@@ -81,9 +81,9 @@ public:
     // it is that of a step so short that the gains do not change, else a new one.
     bool factor_here() { return ended_by_short_step_ || factor(); }
 
-    // Multipliers of the bounds that fix unknowns, from stationarity at the point where `solve` ended:
-    // states of the first node (zero for those free to move), then pins.
-    std::vector<double> fixed_multipliers() const;
+    // Sets the multipliers of bounds that fix unknowns, in `zu`, from stationarity at the point where
+    // `solve` last differentiated.
+    void complete_fixed();
 
     std::vector<Record> history;
     double barrier = 0.0;

@@ -58,13 +58,19 @@ void fill(RowBuffer& rows, const nb::dict& from, const char* name) {
     skyknot::fill(rows, get<Table>(from, name));
 }
 
+Written rows_of(int count, int size, double*& memory) {
+    memory = new double[at(std::max(1, count * size))];
+    const nb::capsule owner(memory, [](void* p) noexcept { delete[] static_cast<double*>(p); });
+    return Written(memory, {at(count), at(size)}, owner);
+}
+
 }  // namespace
 
 Written table(const RowBuffer& rows, int columns) {
-    auto* memory = new double[at(std::max(1, rows.rows() * columns))];
-    for (int i = 0; i < rows.rows(); ++i) std::copy_n(rows.row(i), columns, memory + i * columns);
-    const nb::capsule owner(memory, [](void* p) noexcept { delete[] static_cast<double*>(p); });
-    return Written(memory, {at(rows.rows()), at(columns)}, owner);
+    double* to = nullptr;
+    Written written = rows_of(rows.rows(), columns, to);
+    for (int i = 0; i < rows.rows(); ++i) std::copy_n(rows.row(i), columns, to + i * columns);
+    return written;
 }
 
 namespace {
@@ -143,25 +149,56 @@ namespace {
 // One row of gains a segment: nu rows of nx each.
 Written gains_of(InteriorPoint& solver, const Structure& S, int segments) {
     const int size = S.nu * S.nx;
-    auto* memory = new double[at(std::max(1, segments * size))];
-    for (int k = 0; k < segments; ++k) solver.newton.gains(k, memory + k * size);
-    const nb::capsule owner(memory, [](void* p) noexcept { delete[] static_cast<double*>(p); });
-    return Written(memory, {at(segments), at(size)}, owner);
+    double* to = nullptr;
+    Written written = rows_of(segments, size, to);
+    for (int k = 0; k < segments; ++k) solver.newton.gains(k, to + k * size);
+    return written;
 }
 
-nb::dict result_of(InteriorPoint& solver, const Structure& S, Outcome outcome) {
+// One value for every unknown of the program, in its order: f(row, column) or g(global).
+template <class F, class G>
+Written in_order(const Bound& self, F f, G g) {
+    const std::size_t columns = at(self.structure.N + 1), count = self.places.size();
+    double* to = nullptr;
+    Written written = rows_of(1, static_cast<int>(count) + self.structure.nq, to);
+    for (std::size_t i = 0; i < count; ++i)
+        to[i] = f(static_cast<int>(self.places[i] / columns), self.places[i] % columns);
+    for (std::size_t i = 0; i < at(self.structure.nq); ++i) to[count + i] = g(i);
+    return written;
+}
+
+// Multipliers of the defects, unscaled: (N, (s − 1) nx).
+Written defect_multipliers(const InteriorPoint& solver, const Structure& S) {
+    double* to = nullptr;
+    Written written = rows_of(S.N, S.interior(), to);
+    for (int i = 0; i < S.interior(); ++i) {
+        const double scale = solver.objective_scale * solver.defect_scale[at(i % S.nx)];
+        for (int k = 0; k < S.N; ++k) to[k * S.interior() + i] = solver.lambda.row(i)[k] / scale;
+    }
+    return written;
+}
+
+// Unknowns and multipliers as the program has them, unscaled; rows of paths and rates as they are.
+nb::dict result_of(const Bound& self, Outcome outcome) {
+    InteriorPoint& solver = *self.solver;
+    const Structure& S = self.structure;
+    const double sigma = solver.objective_scale;
+    solver.complete_fixed();
     nb::dict r;
     r["outcome"] = static_cast<int>(outcome);
-    r["z"] = table(solver.z, S.N + 1);
-    r["q"] = solver.q;
-    r["lambda"] = table(solver.lambda, S.N);
-    r["zl"] = table(solver.zl, S.N + 1), r["zu"] = table(solver.zu, S.N + 1);
-    r["q_zl"] = solver.q_zl, r["q_zu"] = solver.q_zu;
+    r["z"] = in_order(
+        self, [&](int row, std::size_t k) { return solver.z.row(row)[k] * solver.scale.row(row)[0]; },
+        [&](std::size_t i) { return solver.q[i] * solver.q_scale[i]; });
+    r["bounds"] = in_order(
+        self,
+        [&](int row, std::size_t k) {
+            return (solver.zu.row(row)[k] - solver.zl.row(row)[k]) / (sigma * solver.scale.row(row)[0]);
+        },
+        [&](std::size_t i) { return (solver.q_zu[i] - solver.q_zl[i]) / (sigma * solver.q_scale[i]); });
+    r["defects"] = defect_multipliers(solver, S);
     nb::list y;
     for (const GroupState& group : solver.groups) y.append(table(group.y, group.count));
     r["y"] = y;
-    r["pin_multipliers"] = solver.pin_multipliers;
-    r["fixed"] = solver.fixed_multipliers();
     r["iterations"] = solver.iterations;
     r["restorations"] = solver.restorations;
     r["barrier"] = solver.barrier;
@@ -211,7 +248,7 @@ nb::dict solve(Bound& self, const nb::dict& data, const nb::dict& options, nb::o
         const nb::gil_scoped_release released;
         outcome = solver.solve(settings, watch);
     }
-    return result_of(solver, self.structure, outcome);
+    return result_of(self, outcome);
 }
 
 }  // namespace
@@ -223,7 +260,10 @@ void bind_interior_point(nb::module_& module) {
                 const Tape& terminal) {
                  Structure S = structure_of(structure);
                  auto solver = std::make_unique<InteriorPoint>(S, value, full, terminal);
-                 new (place) Bound{std::move(S), std::move(solver)};
+                 const auto places = get<Places>(structure, "places");
+                 new (place) Bound{std::move(S),
+                                   {places.data(), places.data() + places.shape(0)},
+                                   std::move(solver)};
              },
              nb::keep_alive<1, 3>(), nb::keep_alive<1, 4>(), nb::keep_alive<1, 5>())
         .def("elimination_work",

@@ -4,6 +4,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include <cstdint>
 #include <memory>
 
 #include "interior_point.hpp"
@@ -14,8 +15,13 @@ using Table = nanobind::ndarray<const double, nanobind::ndim<2>, nanobind::c_con
                                 nanobind::device::cpu>;
 using Written = nanobind::ndarray<nanobind::numpy, double, nanobind::ndim<2>, nanobind::c_contig>;
 
+// Where the program's unknowns but for the globals stand in rows of N + 1: the entry of each.
+using Places = nanobind::ndarray<const std::int64_t, nanobind::ndim<1>, nanobind::c_contig,
+                                 nanobind::device::cpu>;
+
 struct Bound {
     Structure structure;
+    std::vector<std::size_t> places;
     std::unique_ptr<InteriorPoint> solver;
 };
 
