@@ -10,6 +10,8 @@
 #include "tape_binding.hpp"
 
 NB_MODULE(SKYKNOT_MODULE, module) {
+    // At the interpreter's end whatever a script still holds is lost anyway; no word about it.
+    nanobind::set_leak_warnings(false);
     module.attr("vector_width") = skyknot::native_width;
     skyknot::bind_tape(module);
     skyknot::bind_interior_point(module);
