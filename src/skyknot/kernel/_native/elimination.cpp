@@ -89,20 +89,27 @@ Eight eight_from(int first, int count, Entry entry) {
     return values;
 }
 
+// Eight places of the stage vector from `first`: entry(y), zeros where there is padding.
+template <class Entry>
+Eight eight_of_stage(const std::vector<int>& order, int first, Entry entry) {
+    return eight_from(first, static_cast<int>(order.size()), [&](int w) {
+        return order[at(w)] < 0 ? Value{} : entry(order[at(w)]);
+    });
+}
+
 // The map to x_{k+1}, the last rows of T, with its columns of the globals.
 void write_map(Segment& segment, const StageLayout& layout, const Matrix& T) {
     const Structure& S = segment.S;
     const std::vector<int> order = stage_order(segment, layout);
-    const auto last = [&](int r) -> const std::vector<Value>& { return T[at((S.s - 2) * S.nx + r)]; };
+    const auto last = [&](int r, int y) { return T[at((S.s - 2) * S.nx + r)][at(y)]; };
     for (int r = 0; r < S.nx; ++r)
         for (int first = 0; first < layout.wp; first += 8)
-            segment.b.block(block::stage, layout.A(r, first), eight_from(first, layout.wp, [&](int w) {
-                return order[at(w)] < 0 ? Value{} : last(r)[at(order[at(w)])];
-            }));
+            segment.b.block(block::stage, layout.A(r, first),
+                            eight_of_stage(order, first, [&](int y) { return last(r, y); }));
     for (int q = 0; q < S.nq; ++q)
         for (int first = 0; first < S.nx; first += 8)
             segment.b.block(block::stage, layout.rq(first, q), eight_from(first, S.nx, [&](int r) {
-                return last(r)[at(segment.q(q))];
+                return last(r, segment.q(q));
             }));
 }
 
@@ -123,9 +130,8 @@ void write_hessian(Segment& segment, const StageLayout& layout, const Matrix& H,
         const auto& H_row = H[at(S.nx + i)];
         if (std::all_of(H_row.begin(), H_row.end(), [](Value v) { return v.is_zero(); })) continue;
         for (int first = 0; first < layout.wp; first += 8)
-            rows[at(i)].push_back(b.row8(eight_from(first, layout.wp, [&](int w) {
-                return order[at(w)] < 0 ? Value{} : T[at(i)][at(order[at(w)])];
-            })));
+            rows[at(i)].push_back(
+                b.row8(eight_of_stage(order, first, [&](int y) { return T[at(i)][at(y)]; })));
     }
     const auto column = [&](int c, int from, std::uint32_t target, auto offset) {
         std::vector<Value> G(at(nI));
@@ -135,9 +141,8 @@ void write_hessian(Segment& segment, const StageLayout& layout, const Matrix& H,
             std::vector<std::pair<Value, Row8>> terms;
             for (int i = 0; i < nI; ++i)
                 if (!G[at(i)].is_zero()) terms.emplace_back(G[at(i)], rows[at(i)][at(first / 8)]);
-            const Eight start = eight_from(first, layout.wp, [&](int w) {
-                return order[at(w)] < 0 ? Value{} : inside(order[at(w)], c, H[at(order[at(w)])][at(c)]);
-            });
+            const Eight start = eight_of_stage(
+                order, first, [&](int y) { return inside(y, c, H[at(y)][at(c)]); });
             b.panel(target, offset(first), start, terms);
         }
         return G;
@@ -244,9 +249,7 @@ void build_reduce(Elimination& elimination, const Structure& S, const Kept& kept
         }));
     const std::vector<int> order = stage_order(segment, layout);
     for (int first = 0; first < layout.wp; first += 8)
-        b.block(block::vector, layout.g(first), eight_from(first, layout.wp, [&](int w) {
-            return order[at(w)] < 0 ? Value{} : reduced(order[at(w)]);
-        }));
+        b.block(block::vector, layout.g(first), eight_of_stage(order, first, reduced));
     for (int q = 0; q < S.nq; ++q)
         elimination.global_places.push_back(b.place(reduced(segment.q(q))));
     elimination.reduce = b.finish();
