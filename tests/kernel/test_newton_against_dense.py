@@ -54,6 +54,13 @@ def test_the_step_solves_the_unreduced_system(case: Case) -> None:
     check_where_refinement_works(system_of(case))
 
 
+@pytest.mark.parametrize("scheme", CHOICES)
+@pytest.mark.parametrize("N", [8, 9, 16, 17])
+def test_groups_of_eight_segments_full_or_not_make_no_difference(scheme, N: int) -> None:
+    """Kept rows and sums over globals of a second group of eight stand elsewhere."""
+    check_against_dense(system_of(Case(nx=2, nu=1, N=N, scheme=scheme, seed=1, free_horizon=True)))
+
+
 @settings(max_examples=5)
 @given(cases(most_states=20, N=3))
 def test_many_states_make_no_difference(case: Case) -> None:

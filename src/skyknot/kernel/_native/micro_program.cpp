@@ -28,6 +28,7 @@ Value Builder::input(std::uint32_t source, std::size_t row, std::ptrdiff_t shift
 }
 
 Value Builder::block_input(std::uint32_t source, std::size_t row, std::size_t rows, bool next) {
+    alone_ = true;
     return read(next ? load_further : load, source, static_cast<std::uint32_t>(row * lane_count),
                 static_cast<std::uint32_t>(rows * lane_count));
 }
@@ -120,8 +121,9 @@ void Builder::panel(std::uint32_t target, std::size_t offset, const Eight& start
         if (factor.is_zero() || std::all_of(values.begin(), values.end(), is_zero)) continue;
         step.terms.emplace_back(factor.id, static_cast<std::int32_t>(row.number));
     }
-    if (step.terms.empty()) block(target, offset, start);
-    else write(std::move(step));
+    if (step.terms.empty()) return block(target, offset, start);
+    alone_ = true;
+    write(std::move(step));
 }
 
 template <class Visit>
@@ -226,6 +228,7 @@ MicroProgram Builder::finish() {
     MicroProgram program;
     read_stored_in_place();
     program.stored_source_ = stored_source_;
+    program.alone_ = alone_;
     const std::vector<std::uint32_t> code = encode(scheduled(), program);
     if (std::all_of(code.begin(), code.end(), [](std::uint32_t c) { return c <= UINT16_MAX; }))
         for (const std::uint32_t c : code) program.narrow_.push_back(static_cast<std::uint16_t>(c));

@@ -52,8 +52,8 @@ struct Pass {
     const Blocks* blocks = nullptr;
     // How many segments there are from `first`: beyond them, no block is written. With more than
     // eight, sixteen run side by side, which hides how long a sum waits for another; the workspace
-    // is two then, the second stored block stands `stored_stride` doubles behind the first, and the
-    // program may read no rows that stand eight columns after eight, nor write panels.
+    // is two then, the second stored block stands `stored_stride` doubles behind the first, and a
+    // program that reads rows which stand eight columns after eight, or writes panels, refuses.
     int filled = lane_count;
     std::size_t stored_stride = 0;
 };
@@ -63,6 +63,11 @@ public:
     void run(const Pass& pass) const;
 
     std::size_t slots() const { return slots_; }
+    // Where in the workspace lane `lane` of sixteen stands of a value placed at `place`.
+    std::size_t entry(std::uint32_t place, int lane) const {
+        const auto group = static_cast<std::size_t>(lane / lane_count);
+        return group * lane_count * slots_ + place + static_cast<std::size_t>(lane % lane_count);
+    }
     std::size_t multiplications() const { return multiplications_; }
 
 private:
@@ -72,6 +77,7 @@ private:
     std::vector<std::uint32_t> wide_;
     std::vector<std::pair<std::uint32_t, double>> constants_;
     std::uint32_t stored_source_ = UINT32_MAX;
+    bool alone_ = false;  // eight segments at a time only
     std::size_t slots_ = 0, multiplications_ = 0;
 };
 
@@ -177,6 +183,7 @@ private:
     std::unordered_map<std::int32_t, std::uint32_t> homes_;
     std::uint32_t next_home_ = 1;  // slot 0 holds zeros
     std::uint32_t phase_ = 0, stored_source_ = UINT32_MAX;
+    bool alone_ = false;
 };
 
 }  // namespace skyknot::inline SKYKNOT_ISA

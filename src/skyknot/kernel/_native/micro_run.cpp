@@ -1,5 +1,6 @@
 // Running micro programs.
 #include <cstring>
+#include <stdexcept>
 #include <utility>
 
 #include "block_rows.hpp"
@@ -252,6 +253,7 @@ void run_code(const std::vector<Code>& code, const Running& running) {
 void MicroProgram::run(const Pass& pass) const {
     const std::size_t stride = lane_count * slots_;
     const bool pair = pass.filled > lane_count;
+    if (pair && alone_) throw std::logic_error("this micro program runs for eight segments at a time");
     for (const auto& [slot, value] : constants_)
         for (std::size_t group = 0; group <= (pair ? 1 : 0); ++group)
             store8(pass.workspace + group * stride + slot, broadcast8(value));

@@ -96,7 +96,6 @@ void Newton::right_side(const RowBuffer& g, const RowBuffer& d, Riccati::RightSi
     sources[source::gradient] = g.origin();
     sources[source::defect] = d.origin();
     const double scalars[] = {regularisation, elastic_weight};
-    const std::size_t second = lane_count * (elimination_.reduce.slots() - 1);
     for (int first = 0; first < S_.N; first += 2 * lane_count) {
         sources[source::segment] = segment_block(first);
         double* const w = reduce_workspace_.get();
@@ -112,7 +111,7 @@ void Newton::right_side(const RowBuffer& g, const RowBuffer& d, Riccati::RightSi
                                  .stored_stride = lane_count * elimination_.segment_rows});
         for (std::size_t i = 0; i < elimination_.global_places.size(); ++i)
             for (int lane = 0; lane < filled; ++lane)
-                g_q[i] += w[elimination_.global_places[i] + at(lane) + (lane < lane_count ? 0 : second)];
+                g_q[i] += w[elimination_.reduce.entry(elimination_.global_places[i], lane)];
     }
     double* last = right.terminal.get();
     for (int i = 0; i < S_.nx; ++i) last[i] = g.row(S_.state_row(0, i))[S_.N];
